@@ -21,7 +21,7 @@ enum {
     OPTION_ROBUST,
     OPTION_THRESHOLD,
     OPTION_SEED,
-    OPTION_HOLD, /* all that are given, with commas between */
+    OPTION_HOLD, /* all cameras that are named, separated by commas */
     OPTION_PRIOR,
     OPTION_PROBABILITY,
     OPTION_CANDIDATES,
@@ -41,25 +41,25 @@ enum {
     OPTION_COUNT
 };
 
-/* Each runs with the texts given to the options, NULL where not given and empty
- * where an option takes none, and returns the exit status. */
+/* Runs a command. option[] has the text of each option: NULL if the option is not given, ""
+ * if it takes no text. Returns the exit status. */
 typedef int cli_command(const char *const option[OPTION_COUNT]);
 cli_command cli_calibrate, cli_triangulate, cli_line, cli_monitor;
 
 /* Significant digits written to files, so that nothing measured is lost. */
 enum { CLI_DIGITS = sizeof(rigcal_real) == sizeof(double) ? 12 : 9 };
 
-/* ",R11,...,tz" */
+/* The column names ",R11,...,tz". */
 #define CLI_TRANSFORM_COLUMNS "R11,R12,R13,R21,R22,R23,R31,R32,R33,tx,ty,tz"
 void cli_write_numbers(FILE *file, const rigcal_real numbers[], size_t count);
-/* ",number", or "," where it is not known. */
+/* Writes ",number", or "," if the number is not known. */
 void cli_write_known(FILE *file, rigcal_real number, int known);
 void cli_write_transform(FILE *file, const rigcal_transform *transform);
 
-/* The `count` numbers, separated by commas, of an option. */
+/* Reads the numbers of an option: exactly `count` of them, separated by commas. */
 void cli_numbers(double numbers[], size_t count, const char *option, const char *text);
 
-/* A number of pixels from `least` to a million; --sigma: the noise of one pixel
+/* A number of pixels from `least` to a million. The option --sigma: the noise of one pixel
  * coordinate. */
 double cli_pixels(const char *option, const char *text, double least);
 double cli_sigma(const char *text);
@@ -68,9 +68,9 @@ double cli_sigma(const char *text);
  * was printed could not be written. */
 void cli_flush_stdout(const char *consequence);
 
-/* A set of files that appears in a folder as a whole or not at all. The folder,
- * and those that lead to it, are made. Whatever fails ends the program, and leaves
- * all as it was. `name` must stay. */
+/* A set of files that appears in a folder as a whole or not at all. The folder and its
+ * parents are made. If anything fails, the program ends and everything is as it was. The
+ * text `name` must stay valid. */
 enum { CLI_OUTPUT_MAX = 10 };
 typedef struct cli_output cli_output;
 cli_output *cli_output_begin(const char *folder);

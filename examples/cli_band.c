@@ -1,4 +1,4 @@
-/* The band of rigcal line. */
+/* The band that rigcal line prints. */
 #include "cli_band.h"
 
 #include <math.h>
@@ -72,7 +72,8 @@ static int failed(rigcal_status status, const char *what)
     return status < 0;
 }
 
-/* Its middle line, its half width and the depth, at places from near to far. */
+/* Prints the middle line of the band, its half width and the depth, at places from near to
+ * far. */
 static int print_curve(const rigcal_band *made)
 {
     enum { PLACES = 17 };
@@ -109,10 +110,10 @@ static int print_spans(const rigcal_band *made)
     return CLI_DONE;
 }
 
-/* The columns u and v of a file, pair by pair, and the line of each pair. There may be
- * millions. */
+/* The columns u and v of a file, one pair for each candidate, and the line of each pair.
+ * There may be millions of pairs. */
 typedef struct {
-    csv_table table; /* its rows have gone */
+    csv_table table; /* without its rows */
     rigcal_real *uv;
     uint32_t *line;
     size_t count;
@@ -143,7 +144,8 @@ static void read_candidates(candidate_list *list, const char *path)
     }
 }
 
-/* Those that are inside, the best first, by their lines in the file. */
+/* Prints the candidates that are inside the band, best first, each by its line in the
+ * file. */
 static int print_candidates(const rigcal_band *made, const char *path)
 {
     candidate_list list;

@@ -8,18 +8,19 @@
 
 typedef struct {
     const cli_rig *rig;
-    size_t a, b; /* cameras of the rig */
+    size_t a, b; /* numbers of the two cameras in the rig */
     rigcal_real uv_a[2];
-    rigcal_real near_a, far_a; /* distances along the ray; far_a 0: without end */
-    const char *probability;   /* of --probability; NULL: 0.99, and no spans */
-    const char *candidates;    /* the file; NULL: none */
+    rigcal_real near_a, far_a; /* distances along the ray; far_a = 0: no limit */
+    const char *probability;   /* text of --probability; NULL: 0.99, and no spans */
+    const char *candidates;    /* path of the file; NULL: none */
 } cli_band;
 
-/* Ends the program if what is asked for needs a noise, and none is known. */
+/* Ends the program if what is asked for needs the noise of a pixel and that is not
+ * known. */
 void cli_band_check(const cli_band *band);
 
-/* Lines "band", "span" and "candidate". Says what cannot be computed, and returns the exit
- * status. */
+/* Prints the lines "band", "span" and "candidate". Says what cannot be computed. Returns
+ * the exit status. */
 int cli_band_print(const cli_band *band);
 
 #endif

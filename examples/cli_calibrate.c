@@ -5,7 +5,7 @@
 #include <math.h>
 #include <string.h>
 
-/* By RIGCAL_VIEW_. */
+/* The words for the verdicts, in the order of RIGCAL_VIEW_. */
 static const char *const VERDICT[] = {"fits", "contradicts", "one_of_two", "unchecked"};
 
 /* ==== files =============================================================== */
@@ -51,7 +51,8 @@ static void write_sigma(FILE *file, const rig_sigma *s, int is_known)
     }
 }
 
-/* Whether camera `earlier` has columns for its covariances with those of later lines. */
+/* Whether the file has columns for the covariances of camera `earlier` with the cameras of
+ * later lines. */
 static int has_between(const calibration *c, const rigcal_calibrated_rig *kept,
                        size_t earlier)
 {
@@ -66,7 +67,7 @@ static int has_between(const calibration *c, const rigcal_calibrated_rig *kept,
     return 0;
 }
 
-/* The covariances of a camera with those of earlier lines, and the end of the line. */
+/* Writes the covariances of a camera with those of earlier lines, and ends the line. */
 static void write_between(FILE *file, const calibration *c,
                           const rigcal_calibrated_rig *kept, size_t camera)
 {
@@ -128,8 +129,9 @@ static void write_rig(FILE *file, const calibration *c)
     }
 }
 
-/* The cameras of rig.csv as rigcal_store_save_rig has them, with their joint covariance
- * where all cameras have one frame and their noise is known. Returns 0 where it is not. */
+/* Sets `kept` to the cameras of rig.csv in the form of rigcal_store_save_rig, with their
+ * joint covariance. Returns 0 if the cameras have no common frame or their noise is not
+ * known. */
 static int take_joint(rigcal_calibrated_rig *kept, const calibration *c)
 {
     const size_t n = c->rig.n_cameras;
@@ -214,7 +216,8 @@ static void write_pairs(FILE *file, const calibration *c)
     }
 }
 
-/* Each point as it was given, and what is observed less where the rig puts it. */
+/* Writes each point as it was given, and its residual: observed minus projected by the
+ * rig. */
 static void write_residuals(FILE *file, const calibration *c)
 {
     size_t i, k;
@@ -268,7 +271,7 @@ static void write_files(const calibration *c, const char *folder)
 
 /* ==== the command ========================================================= */
 
-/* Whether it is the published procedure. */
+/* Returns 1 for the published procedure, 0 for maximum likelihood. */
 static int choose_method(const char *text)
 {
     const int by_paper = text != NULL && strcmp(text, "paper") == 0;

@@ -1,4 +1,4 @@
-/* Why views are left out of the rig, and why there is none. */
+/* Why views are left out of the rig, and why there may be no rig. */
 #include "cli_calibrate.h"
 
 #include <math.h>
@@ -7,11 +7,12 @@
 
 static const rigcal_transform IDENTITY = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
 
-/* Views whose cause is looked for: each takes a pose for each symmetry. */
+/* The cause is looked for in at most this many views. Each view needs one pose for each
+ * symmetry. */
 enum { LOOKED_INTO_MOST = 1000 };
 
-/* What is found of a view or a camera: "the points of ", "c", " are numbered in reverse".
- * after NULL: nothing is found. */
+/* The parts of a sentence about a view or a camera: "the points of ", "c", " are numbered
+ * in reverse". If `after` is NULL, nothing was found. */
 typedef struct {
     const char *before, *name, *after, *advice;
 } reason;
@@ -62,7 +63,7 @@ static void tell_shift(reason *r, const char *of, const rigcal_cause *cause)
                "give each image the frame in which it was taken");
 }
 
-/* Of a view, or of all views of a camera. */
+/* Puts the cause of a view, or of all views of a camera, into words. */
 static void tell_cause(reason *r, const calibration *c, const rigcal_cause *cause,
                        const symmetries *by, const char *camera, int is_view)
 {
@@ -88,7 +89,7 @@ static void tell_cause(reason *r, const calibration *c, const rigcal_cause *caus
 
 /* ==== a view ============================================================== */
 
-/* Where each point is on the target, as the views in the rig have it. */
+/* For each point: where it is on the target, as the views in the rig have it. */
 static const cli_observation **points_in_rig(const calibration *c)
 {
     const cli_observation **place =
@@ -113,8 +114,8 @@ static double dot(const rigcal_real a[3], const rigcal_real b[3])
            (double)a[2] * (double)b[2];
 }
 
-/* By how much the view's coordinates are those of the same points of other views; 0: they
- * are not so many times. */
+/* The factor by which the view's coordinates differ from those of the same points in other
+ * views; 0: there is no such factor. */
 static double coordinate_factor(const view *v, const cli_observation *const place[])
 {
     double squares = 0, products = 0, factor, own = 0, off = 0;
@@ -145,8 +146,8 @@ static double coordinate_factor(const view *v, const cli_observation *const plac
     return n >= 3 && off < 1e-6 * own ? factor : 0;
 }
 
-/* By how much the target is farther than the others have it, in the same direction and
- * turned alike; 0: it is not. */
+/* The factor by which the target is farther away than the other views say, in the same
+ * direction and with the same rotation; 0: it is not. */
 static double distance_factor(const calibration *c, const view *v)
 {
     const rigcal_real *found = view_taken(v)->cam_from_world.t;
@@ -179,8 +180,8 @@ static void tell_unit(reason *r, const calibration *c, const view *v,
     }
 }
 
-/* The pose of the view's mirrored image, upside down or not, against where the others have
- * the target. */
+/* Solves the mirrored image of the view, upside down or not. Returns whether that pose
+ * agrees with where the other views put the target. */
 static int fits_mirrored(const calibration *c, const view *v, const rigcal_transform *there,
                          int is_upside_down)
 {
@@ -190,7 +191,7 @@ static int fits_mirrored(const calibration *c, const view *v, const rigcal_trans
     rigcal_real angle = 0;
     size_t i, n = 0;
 
-    for (i = 0; i < seen.n; i++) { /* view_points gathers them anew each time */
+    for (i = 0; i < seen.n; i++) { /* view_points gathers them again at each call */
         rigcal_real *uv = c->observed[i].uv;
 
         uv[is_upside_down] =
@@ -242,7 +243,7 @@ static void tell_point(reason *r, const calibration *c, const view *v)
     }
 }
 
-/* Of the rig's view i. */
+/* The reason why view i of the rig is wrong. */
 static reason find_reason(const calibration *c, size_t i,
                           const cli_observation *const place[])
 {
@@ -259,7 +260,7 @@ static reason find_reason(const calibration *c, size_t i,
         !(cause.cause == RIGCAL_CAUSE_SWAPPED && (size_t)cause.camera < v->rig_camera)) {
         tell_cause(&r, c, &cause, by, camera, 1);
     } else if (r.after != NULL || cause.cause == RIGCAL_CAUSE_SWAPPED) {
-        return r; /* the camera before has told it */
+        return r; /* said already, of the camera before */
     }
     if (r.after == NULL) {
         tell_mirror(&r, c, v);
@@ -273,7 +274,7 @@ static reason find_reason(const calibration *c, size_t i,
 /* ==== a placement ========================================================= */
 
 typedef struct {
-    const char *name[64]; /* cameras left out */
+    const char *name[64]; /* at most this many cameras left out are named */
     size_t n;
     reason reasons[64];
     size_t n_reasons;
@@ -377,7 +378,8 @@ static void collect_placement(wrong_views *w, calibration *c, size_t first, size
     }
 }
 
-/* Views of which nothing has been told; of those that contradict one that has, neither. */
+/* Names the views without a message so far. Views that contradict a view with a message are
+ * not named. */
 static void find_wrong_placements(calibration *c)
 {
     const cli_observation **place = points_in_rig(c);
@@ -400,9 +402,10 @@ static void find_wrong_placements(calibration *c)
 
 /* ==== a camera ============================================================ */
 
-/* Why most views of the rig's camera contradict. The first view of most points tells the
- * symmetries. Where there is no rig, it is not known by how much more than noise right
- * views differ: `scales` values are tried, each four times the last. */
+/* Why most views of the rig's camera contradict the others. The first view, of those with
+ * most points, gives the symmetries. If there is no rig, it is not known how much more than
+ * noise right views differ. Then `scales` limits are tried, each four times the one
+ * before. */
 static reason find_camera_reason(const calibration *c, size_t camera, int scales)
 {
     rigcal_judgement judgement = c->judgement;
@@ -433,7 +436,8 @@ static reason find_camera_reason(const calibration *c, size_t camera, int scales
     return r;
 }
 
-/* Whether its views fit much worse by themselves than those of the others. */
+/* Tells whether the camera's views fit much worse by themselves than the views of the other
+ * cameras. */
 static void tell_intrinsics(reason *r, const calibration *c, size_t camera)
 {
     const double noise = camera_noise(c, c->camera[camera]);
@@ -455,7 +459,7 @@ static void tell_intrinsics(reason *r, const calibration *c, size_t camera)
     }
 }
 
-/* A camera most of whose views are left out. */
+/* Tells what is wrong with a camera if most of its views are left out. */
 static void find_wrong_camera(calibration *c, size_t camera, size_t n_out, size_t n)
 {
     const char *name = rig_camera_name(c, camera);
@@ -508,7 +512,8 @@ void find_causes(calibration *c)
 
 /* ==== no rig ============================================================== */
 
-/* Then the other camera of two is where it is, and its views say where the target is. */
+/* The rig of two cameras is then the other camera alone. Its views give the placements of
+ * the target. */
 static void place_nowhere(calibration *c, uint8_t left_out[])
 {
     size_t i;
@@ -539,7 +544,8 @@ static double noise_of_rig(const calibration *c)
     return c->pose.sigma_px > 0 ? (double)c->pose.sigma_px : sqrt(sum / fmax(n, 1)) + 1e-9;
 }
 
-/* Of two cameras each as a whole is tried. Of more, nothing says where the others are. */
+/* Of two cameras, each is tested as a whole. If there are more, nothing says where the
+ * others are. */
 void find_contradiction(calibration *c)
 {
     uint8_t *left_out = cli_alloc(c->rig.n_views, sizeof *left_out);

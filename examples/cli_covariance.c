@@ -6,7 +6,7 @@
 
 /* ==== of one camera ======================================================= */
 
-/* "S11", "S21", "S22", ..., "S66". */
+/* Writes the name of a column: "S11", "S21", "S22", ..., "S66". */
 static void column_name(char name[4], int row, int column)
 {
     name[0] = 'S';
@@ -32,7 +32,7 @@ int cli_covariance_find(size_t columns[CLI_COVARIANCE_COLUMNS], const csv_table 
     return 1;
 }
 
-/* Whether it is positive definite (Cholesky, with the diagonal scaled to 1). */
+/* Whether the matrix is positive definite: Cholesky, with the diagonal scaled to 1. */
 static int is_covariance(const rigcal_real Sigma[36])
 {
     double L[36] = {0};
@@ -88,7 +88,7 @@ const char *cli_covariance_between(int row, int column, const char *name)
     return cli_text("S%d%d@%s", row + 1, column + 1, name);
 }
 
-/* Whether there is something in a column, which may be CSV_NONE, of a line. */
+/* Whether a column, which may be CSV_NONE, has text in this line. */
 static int has_cell(const csv_table *table, size_t row, size_t column)
 {
     return column != CSV_NONE && *table->cells[row * table->n_columns + column] != '\0';
@@ -106,8 +106,8 @@ static size_t find_exactly(const csv_table *table, const char *name)
     return CSV_NONE;
 }
 
-/* By camera: the 36 columns of what is between it and others; CSV_NONE at first where
- * there are none. */
+/* For each camera: the 36 columns of its covariance with other cameras, at first CSV_NONE:
+ * the file may lack them. */
 static size_t *find_between(const cli_transforms *file)
 {
     const size_t n = file->names.count;
@@ -133,15 +133,15 @@ static size_t *find_between(const cli_transforms *file)
     return columns;
 }
 
-/* The place of an element of the joint covariance. */
+/* The address of an element of the joint covariance. */
 static rigcal_real *element(const cli_rig *rig, size_t row, size_t column)
 {
     return &rig->rig.Sigma[row > column ? row * (row + 1) / 2 + column
                                         : column * (column + 1) / 2 + row];
 }
 
-/* The block of cameras a and b > a, from either's line; their unknowns begin at `first`. 0:
- * the file has none. */
+/* Reads the block of cameras a and b, b > a, from the line of one of them. Their unknowns
+ * begin at `first`. Returns 0 if the file has no such block. */
 static int read_between(cli_rig *rig, const size_t *columns, const size_t *first, size_t a,
                         size_t b)
 {
@@ -172,7 +172,8 @@ static int read_between(cli_rig *rig, const size_t *columns, const size_t *first
 
 /* ==== the file ============================================================ */
 
-/* Whether every line has its own covariance; an empty one is not known. */
+/* Whether every line has the covariance of its own camera. An empty cell means that it is
+ * not known. */
 static int has_covariances(size_t columns[CLI_COVARIANCE_COLUMNS], const csv_table *table)
 {
     size_t row;
@@ -188,7 +189,7 @@ static int has_covariances(size_t columns[CLI_COVARIANCE_COLUMNS], const csv_tab
     return 1;
 }
 
-/* Each camera's own block. The unknowns of camera c begin at first[c]. */
+/* Reads the block of each camera by itself. The unknowns of camera c begin at first[c]. */
 static void read_own(cli_rig *rig, size_t *first,
                      const size_t columns[CLI_COVARIANCE_COLUMNS])
 {
@@ -216,7 +217,7 @@ static void read_own(cli_rig *rig, size_t *first,
     }
 }
 
-/* All blocks. 0: some are missing. */
+/* Reads all blocks. Returns 0 if some are missing. */
 static int read_joint(cli_rig *rig)
 {
     const size_t n = rig->file.names.count;
@@ -239,7 +240,7 @@ static int read_joint(cli_rig *rig)
     return 1;
 }
 
-/* A number of pixels, or another that is never so small or large. */
+/* Reads a number of pixels, or any other number within the same limits. */
 static rigcal_real read_pixels(const csv_table *table, size_t row, size_t column)
 {
     const rigcal_real number = csv_real(table, row, column);
@@ -251,7 +252,7 @@ static rigcal_real read_pixels(const csv_table *table, size_t row, size_t column
     return number;
 }
 
-/* Of a column that is the same in all lines; 0: it is not known. */
+/* Reads a column that has the same number in all lines. Returns 0 if it is not known. */
 static rigcal_real read_common(const csv_table *table, const char *name)
 {
     const size_t column = csv_optional(table, name);
@@ -259,7 +260,7 @@ static rigcal_real read_common(const csv_table *table, const char *name)
     return has_cell(table, 0, column) ? read_pixels(table, 0, column) : 0;
 }
 
-/* Column sigma_px: of all lines, or of none. */
+/* Reads column sigma_px, which all lines must have, or none. */
 static void read_sigmas(cli_rig *rig, double sigma_px)
 {
     const csv_table *table = &rig->file.table;

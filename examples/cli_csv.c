@@ -53,7 +53,7 @@ void cli_progress(size_t n_views, const char *format, ...)
     is_progress_shown = !is_progress_in_lines;
 }
 
-/* Messages that wait for those that must stand before them. */
+/* Messages that are held back until other messages have been shown. */
 static char *held;
 static size_t held_size, held_room;
 static int is_holding;
@@ -75,7 +75,7 @@ void cli_release(void)
     is_holding = 0;
 }
 
-/* Adds to those held; where there is no memory, all are shown at once. */
+/* Adds a message to those held. If memory is short, all are shown at once. */
 static void hold(const char *text)
 {
     const size_t size = strlen(text);
@@ -193,7 +193,7 @@ void csv_fail(const csv_table *table, size_t row, const char *format, ...)
     exit(CLI_USAGE);
 }
 
-/* All memory there is, to be freed at the end. */
+/* All memory that was allocated. It is freed at the end. */
 static void **blocks;
 static size_t n_blocks, room_for_blocks;
 
@@ -230,7 +230,7 @@ void *cli_alloc(size_t count, size_t size)
     return memory;
 }
 
-/* The place of a block in the list. The last ones are looked at first. */
+/* The position of a block in the list. The search begins with the newest. */
 static size_t find_block(const void *memory)
 {
     size_t i = n_blocks;
@@ -270,13 +270,13 @@ void cli_free(void *memory)
 /* A file that is read line by line. */
 struct csv_source {
     FILE *file;
-    char *text; /* what has been read and not been used: from `begin` to `end` */
+    char *text; /* text that was read but not used yet: from `begin` to `end` */
     size_t room, begin, end;
-    size_t line; /* the last one that was handed out */
-    int is_over; /* there is no more to read */
+    size_t line; /* number of the last line that was handed out */
+    int is_over; /* whether the end of the file was read */
 };
 
-/* Reads on, until there is no room. */
+/* Reads on until the buffer is full. */
 static void fill(const csv_table *table)
 {
     csv_source *s = table->source;
@@ -295,8 +295,8 @@ static void fill(const csv_table *table)
     s->is_over = s->end < s->room;
 }
 
-/* Makes a string of the line from text to stop, without its CR. Control
- * characters are refused: they tell a file that is no text. */
+/* Makes the line from text to stop a string, without its CR. Refuses control characters: a
+ * file with them is not text. */
 static void end_line(const csv_table *table, size_t line, const char *text, char *stop)
 {
     const char *c;
@@ -329,8 +329,8 @@ static size_t count_of(char wanted, const char *text, const char *end)
     return count;
 }
 
-/* The next line that is not blank, as a string that holds until the next call. NULL: there
- * is none. */
+/* The next line that is not blank, as a string that is valid until the next call. NULL:
+ * there is none. */
 static char *next_line(const csv_table *table)
 {
     csv_source *s = table->source;
@@ -427,7 +427,7 @@ void csv_open(csv_table *table, const char *path)
     table->lines = cli_alloc(1, sizeof *table->lines);
 }
 
-/* The next row as a string that holds until the next call. NULL: there is none. */
+/* The next row as a string that is valid until the next call. NULL: there is none. */
 static char *next_row(csv_table *table)
 {
     csv_source *s = table->source;
@@ -500,7 +500,8 @@ static size_t find_column(const csv_table *table, const char *name)
     return found;
 }
 
-/* A column with nearly this name would be ignored in silence. */
+/* Refuses a column whose name is nearly this one. Otherwise it would be ignored without a
+ * message. */
 static void refuse_alike(const csv_table *table, const char *name)
 {
     size_t column;
@@ -556,7 +557,7 @@ static const char *cell(const csv_table *table, size_t row, size_t column)
     return text;
 }
 
-/* strtod also takes blanks before the number, "inf", "nan" and hexadecimal. */
+/* strtod would also accept blanks before the number, "inf", "nan" and hexadecimal. */
 static int looks_decimal(const char *text)
 {
     if (*text == '+' || *text == '-') {

@@ -1,4 +1,4 @@
-/* Intrinsics that the recording moves: --estimate-intrinsics. */
+/* Intrinsics that are estimated from the recording: --estimate-intrinsics. */
 #include <math.h>
 #include <string.h>
 
@@ -6,23 +6,24 @@
 
 enum {
     ROUNDS_MOST = 8,
-    NUMBERS = 6 /* of a camera: f, fx / fy, cx, cy, k1, k2 */
+    NUMBERS = 6 /* numbers of a camera: f, fx / fy, cx, cy, k1, k2 */
 };
 
-/* A round that moves nothing by more than this part of its deviation is the last. In float
- * rounding alone moves some by a tenth. */
+/* The last round is the one that moves no number by more than this part of its standard
+ * deviation. In float, rounding alone moves some numbers by a tenth. */
 #define SETTLED (sizeof(rigcal_real) < sizeof(double) ? 0.25 : 0.1)
 
-/* The recording moved it if its deviation has become this part of what it was, or less. */
+/* A number counts as changed by the recording if its standard deviation fell to this part
+ * of what it was, or less. */
 #define MOVED 0.5
 
 typedef struct {
     rigcal_estimated is;
     rigcal_intrinsics_change *made, *change, *sigma;
-    rigcal_camera *nominal; /* of each of the rig's, as cameras.csv has it */
+    rigcal_camera *nominal; /* for each camera of the rig: as cameras.csv has it */
 } estimate;
 
-/* The pose of the view by itself, with its camera as it is now. */
+/* Solves the pose of the view by itself again, with its camera as it is now. */
 static void solve_again(const calibration *c, view *v, rigcal_view_pose *pose)
 {
     const rigcal_view seen = view_points(c, v);
@@ -48,7 +49,8 @@ static void solve_again(const calibration *c, view *v, rigcal_view_pose *pose)
     }
 }
 
-/* The cameras as the estimate has them; with them the poses of the views by themselves. */
+/* Sets the cameras to the estimate, and solves the poses of the views by themselves with
+ * them. */
 static void change_cameras(calibration *c, const estimate *e)
 {
     rigcal_view_pose *poses = cli_alloc(c->rig.n_views, sizeof *poses);
@@ -83,7 +85,8 @@ static void begin(estimate *e, calibration *c)
     }
 }
 
-/* Until it is settled; the rig's covariances then contain what is left. */
+/* Repeats until the estimate is settled. The covariances of the rig then contain the
+ * uncertainty that is left. */
 static rigcal_status run(estimate *e, calibration *c, int32_t *at_fault)
 {
     int round;
@@ -105,7 +108,7 @@ static rigcal_status run(estimate *e, calibration *c, int32_t *at_fault)
     return RIGCAL_BUDGET_SPENT;
 }
 
-/* Where it fails, the cameras are as cameras.csv has them. */
+/* After a failure: the cameras become those of cameras.csv again. */
 static void take_back(estimate *e, calibration *c)
 {
     memset(e->change, 0, c->rig.n_cameras * sizeof *e->change);
@@ -177,14 +180,14 @@ void print_estimated(const calibration *c)
             }
         }
         if (n_cannot > 0) {
-            printf("%s it could not tell %s", n_moved > 0 ? ";" : "",
+            printf("%s it could not determine %s", n_moved > 0 ? ";" : "",
                    names_joined(cannot, n_cannot, " and "));
         }
         printf("\n");
     }
 }
 
-/* The camera file with the changed numbers. */
+/* Writes the camera file with the changed numbers. */
 void write_cameras(FILE *file, const calibration *c)
 {
     size_t i;

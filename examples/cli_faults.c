@@ -1,12 +1,12 @@
-/* Why the views of the rig disagree as a whole, and the clocks of its cameras. */
+/* Why the views of the rig as a whole disagree, and the clocks of its cameras. */
 #include "cli_calibrate.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* Frames are paired anew so many times at most: clocks that are off by several frames come
- * out too small at first. */
+/* Frames are paired anew at most this many times. Clocks that are off by several frames are
+ * estimated too small at first. */
 enum { PAIRED_MOST = 3 };
 
 static view *rig_view(const calibration *c, size_t index)
@@ -62,7 +62,8 @@ void give_times(calibration *c)
 
 /* ==== frames that are paired anew ========================================= */
 
-/* A placement: of a frame, or CLI_UNKNOWN of a time that no frame has. */
+/* A placement: that of a frame, or, with CLI_UNKNOWN, that of a time at which there is no
+ * frame. */
 typedef struct {
     double time;
     size_t frame, number;
@@ -88,8 +89,8 @@ static int has_view_of(const calibration *c, size_t camera, const size_t moment_
     return 0;
 }
 
-/* The moment of a view that belongs so many frames later: the nearest, within half a frame,
- * that has no view of its camera yet; else a new one. */
+/* The moment of a view whose picture belongs a number of frames later: the nearest moment
+ * within half a frame that has no view of this camera yet; otherwise a new one. */
 static size_t moment_of_view(moment moments[], size_t *n, const calibration *c,
                              size_t index, const size_t moment_of[])
 {
@@ -156,7 +157,7 @@ static void pair_anew(calibration *c)
     cli_free(number);
 }
 
-/* Whether the clocks say that other pictures belong together than those of one frame. */
+/* Whether the clocks say that pictures of different frames belong together. */
 static int must_pair_anew(calibration *c)
 {
     int32_t *frames = cli_alloc(c->rig.n_cameras, sizeof *frames);
@@ -236,7 +237,8 @@ static rigcal_status adjust_in_steps(calibration *c, int32_t *at_fault)
     return rigcal_rig_result(&c->fit, at_fault, &solver);
 }
 
-/* Views that the choice does not take, since they are somewhere else altogether. */
+/* Marks the views that the choice leaves out because they put the target at another
+ * place. */
 static size_t mark_not_taken(uint8_t left_out[], const calibration *c)
 {
     size_t i, n = 0;
@@ -248,7 +250,7 @@ static size_t mark_not_taken(uint8_t left_out[], const calibration *c)
     return n;
 }
 
-/* A placement of which the choice takes no view is where its first one has it. */
+/* Places each placement of which the choice takes no view by its first view. */
 static void place_all(const calibration *c)
 {
     const rigcal_rig *rig = &c->rig;
@@ -273,7 +275,7 @@ static void place_all(const calibration *c)
     }
 }
 
-/* All views count: none is wrong. */
+/* Lets all views count: none is wrong. */
 static void accept_all(calibration *c)
 {
     size_t *count = cli_alloc(c->rig.n_placements, sizeof *count);
@@ -290,8 +292,8 @@ static void accept_all(calibration *c)
     note_verdicts(c);
 }
 
-/* Of a camera that has moved: views before and after. One wrong view at an end of the
- * recording is explained by a camera that moved there, too. */
+/* Whether a camera that moved has enough views before and after its move. Otherwise a
+ * single wrong view at an end of the recording would look like a camera that moved. */
 static int has_moved_for_long(const calibration *c, const rigcal_fault *f)
 {
     enum { LEAST = 3 };
@@ -308,7 +310,8 @@ static int has_moved_for_long(const calibration *c, const rigcal_fault *f)
     return before >= LEAST && after >= LEAST;
 }
 
-/* The one camera that all views that the choice does not take are of; -1: there is none. */
+/* The camera that all views left out by the choice belong to; -1: they belong to
+ * several. */
 static int camera_not_taken(const calibration *c)
 {
     int camera = -1;
@@ -327,11 +330,11 @@ static int camera_not_taken(const calibration *c)
     return camera;
 }
 
-/* Whether one fault of the rig explains why the views disagree, or single times do, which
- * are off along the motion. Views that the choice does not take are wrong in most cases. Of
- * faults only those of times can explain them, and, if they are of one camera, its
- * intrinsics, if these explain nearly all. Intrinsics that are off by two fifths are beyond
- * one step's reach: what it says of them explains nothing. */
+/* Whether one fault of the rig, or single wrong times, explain why the views disagree.
+ * Wrong times are off along the motion. Views that the choice leaves out are wrong in most
+ * cases. They can be explained by faults of times alone, or, if they are of one camera, by
+ * its intrinsics, if these explain nearly all. An error of two fifths of the intrinsics is
+ * too large for one linear step, so its estimate then explains nothing. */
 static int is_explained(const calibration *c, size_t n_not_taken)
 {
     static const double NEARLY_ALL = 0.8, IN_REACH = 0.4;
@@ -357,7 +360,7 @@ static int is_explained(const calibration *c, size_t n_not_taken)
     return f->kind != RIGCAL_FAULT_MOVED || has_moved_for_long(c, f);
 }
 
-/* Adjusts the rig, its clocks being free or not. */
+/* Adjusts the rig, with free clocks or not. */
 static rigcal_status adjust(calibration *c, int is_free, double sigma_time)
 {
     int32_t at_fault = -1;
@@ -371,9 +374,9 @@ static rigcal_status adjust(calibration *c, int is_free, double sigma_time)
     return status;
 }
 
-/* Where held clocks and exact times explain why views disagree, no view is wrong, however
- * well the others agree when clocks are free. Nor is one where times are known, and all
- * agree: the choice does not know of times. */
+/* Tests the rig with held clocks and exact times. If they explain why views disagree, no
+ * view is wrong, however well the others agree when clocks are free. If times are known and
+ * all views agree, no view is wrong either: the choice does not know of times. */
 static void test_as_it_is(calibration *c, size_t n_not_taken)
 {
     const int has_times = c->times.path != NULL;
@@ -490,7 +493,7 @@ static double in_unit(const calibration *c, rigcal_real time)
     return (double)time * (c->times.is_frames ? 1 : 1000);
 }
 
-/* What the command line has for what is to be done. */
+/* Prints the option of the command line for what is to be done. */
 static void print_option(const calibration *c)
 {
     const int is_found = c->verdict.verdict == RIGCAL_RIG_EXPLAINED ||
@@ -505,11 +508,12 @@ static void print_option(const calibration *c)
                                                        : "");
     } else if (c->times.is_free && !(c->times.sigma > 0) &&
                (c->verdict.bits & RIGCAL_FAULTS_ALONG_MOTION) != 0) {
-        printf("(--sigma-time tells how uncertain a time is by itself.)\n");
+        printf("(--sigma-time states the noise of each time.)\n");
     }
 }
 
-/* The sentences; the placements that they number, by the names of their frames. */
+/* The sentences of the verdict, with placements named by their frames instead of
+ * numbers. */
 static const char *with_frames(const calibration *c, const char *text)
 {
     static const char WORD[] = "placement ";
@@ -573,7 +577,7 @@ static const char *state_of(const calibration *c, size_t camera)
     const int32_t state = c->clocks.states[camera];
 
     if (state == RIGCAL_CLOCK_HELD) {
-        return c->times.is_free ? "the clock that the others are told against" : "as given";
+        return c->times.is_free ? "the clock that the others are relative to" : "as given";
     }
     return STATE[state];
 }
@@ -645,7 +649,7 @@ const char *name_of_placement(const calibration *c, size_t placement)
     return "";
 }
 
-/* One line a fault, the likeliest first. */
+/* Writes one line for each fault, the likeliest first. */
 void write_faults(FILE *file, const calibration *c)
 {
     int32_t i, k;

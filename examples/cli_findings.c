@@ -1,4 +1,4 @@
-/* What is wrong, and what to do: it stands before all else that is printed. */
+/* What is wrong, and what to do. This is printed before everything else. */
 #include "cli_calibrate.h"
 
 #include <stdlib.h>
@@ -48,8 +48,8 @@ static int compare_findings(const void *va, const void *vb)
     return a->number < b->number ? -1 : a->number > b->number;
 }
 
-/* Of a view whose camera is named as a whole, nothing more is told; nor that it fits badly
- * for a noise that is too small for most. */
+/* Whether a finding about a view is superfluous: its camera is named as a whole, or the
+ * view fits badly because the stated noise is too small for most views. */
 int is_finding_told(const calibration *c, const finding *f)
 {
     return f->v != NULL && (c->camera_is_told[f->v->camera] ||

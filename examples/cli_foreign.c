@@ -8,7 +8,7 @@
 
 /* A format, and what to do with it. */
 typedef struct {
-    const char *what, *advice, *section; /* NULL: none is of use */
+    const char *what, *advice, *section; /* NULL: rigcal cannot use such files */
 } format;
 
 #define COPY_CAMERA "copy its numbers into a cameras.csv"
@@ -95,7 +95,7 @@ static const format *by_bytes(const char *text, size_t length)
             return &m->is;
         }
     }
-    /* Without a mark: every second byte of plain letters is 0. */
+    /* Text without a byte order mark: every second byte of plain letters is 0. */
     if (length >= 4 && (text[0] == '\0') != (text[1] == '\0') &&
         (text[0] == '\0') == (text[2] == '\0') && (text[1] == '\0') == (text[3] == '\0')) {
         return &UTF_16;
@@ -139,8 +139,8 @@ static const format TABS = {"a table separated by tabs", "separate its fields by
 static const format BLANKS = {"a table separated by blanks",
                               "separate its fields by commas", "Tables of other forms"};
 
-/* The first that is found counts: where the text begins, behind lines that begin with # and
- * blanks, or on any line. */
+/* A format is recognised by the first pattern that is found: at the begin of the text,
+ * after lines that begin with # and blanks, or at the begin of any line. */
 typedef struct {
     int where;
     const char *pattern; /* see matches_at */
@@ -188,7 +188,8 @@ static int small(char c)
     return c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : (unsigned char)c;
 }
 
-/* The end of what matches one character: itself, or a set in brackets. */
+/* The end of the part of a pattern that matches one character: the character itself, or a
+ * set in brackets. */
 static const char *end_of_one(const char *pattern)
 {
     if (*pattern == '[') {
@@ -198,8 +199,8 @@ static const char *end_of_one(const char *pattern)
     return pattern + 1;
 }
 
-/* Whether it matches the character: capitals as small letters. [^a] is none of these, and
- * no end of a line. */
+/* Whether that part matches the character. Capitals match small letters. [^a] matches any
+ * other character but the end of a line. */
 static int matches_one(const char *pattern, const char *end, char character)
 {
     const int c = small(character);
@@ -223,7 +224,7 @@ static int matches_one(const char *pattern, const char *end, char character)
 
 static int matches_at(const char *pattern, const char *text, const char *at);
 
-/* (one|other), and what is behind it. */
+/* Matches (one|other) and the rest of the pattern. */
 static int matches_words(const char *pattern, const char *text, const char *at)
 {
     const char *rest = strchr(pattern, ')') + 1;
@@ -245,9 +246,10 @@ static int matches_words(const char *pattern, const char *text, const char *at)
 }
 
 /* Whether the text matches at this place. A pattern is made of characters and sets: [a-z],
- * [^a-z]. Behind each may stand how often: any number (*), one or more (+), 0 or 1 (?).
- * (one|other) is one of the words; ^ and $ are the begin and the end of a line. It calls
- * itself at most once for each part of the pattern. */
+ * [^a-z]. After each may stand how often it is wanted: any number of times (*), once or
+ * more (+), 0 times or once (?). (one|other) is one of the words; ^ and $ are the begin and
+ * the end of a line. The function calls itself at most once for each part of the
+ * pattern. */
 static int matches_at(const char *pattern, const char *text, const char *at)
 {
     const char *end;
@@ -305,7 +307,7 @@ static int matches(const words *w, const char *text)
     return 0;
 }
 
-/* Whether the header names one of our key columns. */
+/* Whether the header has one of rigcal's key columns. */
 static int is_ours(const char *text)
 {
     static const char *const KEYS[] = {"camera", "frame", "camera_a"};

@@ -1,4 +1,5 @@
-/* Who sees how much with whom: pairs of cameras, the weakest, and what to shoot next. */
+/* How much the cameras saw together: pairs of cameras, the weakest link, and what to record
+ * next. */
 #include "cli_calibrate.h"
 
 #include <math.h>
@@ -17,7 +18,8 @@ int *cameras_that_count(const calibration *c)
     return counts;
 }
 
-/* With memory of its own to work in: the rig's holds the covariance. NULL: not known. */
+/* The links of the rig, computed in memory of their own: the memory of the rig holds the
+ * covariance. NULL: not known. */
 static rigcal_link *links_of(const calibration *c)
 {
     const size_t n = RIGCAL_LINKS(c->rig.n_cameras);
@@ -36,7 +38,7 @@ static rigcal_link *links_of(const calibration *c)
     return links;
 }
 
-/* "a, b and c; d and e" */
+/* The names of the groups: "a, b and c; d and e". */
 static const char *groups_by_name(const calibration *c, const int counts[])
 {
     const size_t n = c->rig.n_cameras;
@@ -88,7 +90,7 @@ static const char *advice_by_name(const calibration *c, const rigcal_link links[
     return text != NULL ? text : "show the target to cameras of two groups together";
 }
 
-/* Cameras without a common frame. */
+/* Finds cameras without a common frame. */
 void find_groups(calibration *c)
 {
     const int *counts = cameras_that_count(c);
@@ -124,7 +126,7 @@ static double angle_of(const rigcal_transform *b_from_a)
     return DEGREE * (double)angle;
 }
 
-/* `direct`: how sure the turn is from what the two see together alone. */
+/* `direct` says how sure the rotation is from what the two cameras see together alone. */
 static void print_pair(const calibration *c, size_t a, size_t b, int wide,
                        const rigcal_link *link)
 {
@@ -185,7 +187,7 @@ const char *next_text(const calibration *c, const rigcal_weakest *weakest)
                     rig_camera_name(c, (size_t)weakest->other));
 }
 
-/* The camera that hangs on least, and what helps. */
+/* Prints the camera whose pose is supported least, and what would help. */
 static void print_weakest(const calibration *c)
 {
     rigcal_weakest weakest;

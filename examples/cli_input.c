@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Names that a file may tell once only: row i gets number i. */
+/* Adds the names of a file in which each may stand only once: row i gets number i. */
 static void names_add_new(cli_names *names, const csv_table *table, size_t row,
                           size_t column)
 {
@@ -132,8 +132,8 @@ static int same_place(const rigcal_real X[3], const rigcal_real Y[3])
            X[2] >= Y[2];
 }
 
-/* What two lines about one point of one frame must not say: "point 7 <what> on line 8
- * <advice>". */
+/* What two lines about one point of one frame contradict each other in, for the message
+ * "point 7 <what> on line 8 <advice>". */
 typedef struct {
     const char *what, *advice;
 } contradiction;
@@ -155,8 +155,8 @@ static const contradiction *find_contradiction(const cli_observation *a,
     return same_place(a->seen.X_w, b->seen.X_w) ? NULL : &ELSEWHERE;
 }
 
-/* Sums over the points that two cameras saw in a frame: of the products of their
- * coordinates, axis by axis. */
+/* Sums of products of coordinates, axis by axis, over the points that two cameras saw in a
+ * frame. */
 typedef struct {
     double aa[3], ab[3], bb[3];
     size_t n;
@@ -174,8 +174,8 @@ static void add_products(products *p, const rigcal_real a[3], const rigcal_real 
     p->n++;
 }
 
-/* The factor that takes the coordinates for camera a to those for b, and whether axes
- * change their signs; 0: there is none. */
+/* The factor that takes the coordinates for camera a to those for camera b. *is_mirrored
+ * says whether axes change their signs. 0: there is no such factor. */
 static double factor_between(int *is_mirrored, const products *p)
 {
     double aa = 0, ab = 0, bb = 0;
@@ -191,7 +191,8 @@ static double factor_between(int *is_mirrored, const products *p)
     return p->n >= 3 && aa > 0 && ab * ab > (1 - 1e-9) * aa * bb ? ab / aa : 0;
 }
 
-/* What all points of the view say, if they say the same. */
+/* Names the difference of coordinates that all points of the view share, if there is
+ * one. */
 static void name_other_coordinates(const cli_observations *observations,
                                    const cli_cameras *cameras, const cli_observation *a,
                                    const cli_observation *b)
@@ -229,7 +230,7 @@ static void name_other_coordinates(const cli_observations *observations,
     }
 }
 
-/* Of all contradictions, the one that the file tells first. */
+/* Reports the contradiction that comes first in the file. */
 static void check_contradictions(const cli_observations *observations,
                                  const cli_cameras *cameras)
 {
@@ -289,7 +290,7 @@ static int is_outside(const cli_observation *o, const cli_cameras *cameras)
            uv[1] > (rigcal_real)camera->height - (rigcal_real)0.5;
 }
 
-/* In one line: such pixels are used, but seldom right. */
+/* Tells in one line of pixels outside the image. They are used, but are seldom right. */
 static void tell_outside(const cli_observations *observations, const cli_cameras *cameras)
 {
     const cli_observation *first = NULL;
@@ -315,7 +316,7 @@ static void tell_outside(const cli_observations *observations, const cli_cameras
     }
 }
 
-/* Another one, at the end of the list. */
+/* Adds an observation at the end of the list. */
 static cli_observation *add_observation(cli_observations *observations, size_t *room)
 {
     if (observations->count == *room) {
@@ -326,7 +327,8 @@ static cli_observation *add_observation(cli_observations *observations, size_t *
     return &observations->list[observations->count++];
 }
 
-/* The noise of a line, of one line to another: within what rigcal_view takes. */
+/* Reads the relative noise of a line. It must be within the range that rigcal_view
+ * accepts. */
 static rigcal_real read_sigma(const csv_table *table, size_t column)
 {
     static const double LEAST = 1e-6, MOST = 1e6;
@@ -339,7 +341,7 @@ static rigcal_real read_sigma(const csv_table *table, size_t column)
     return (rigcal_real)sigma;
 }
 
-/* Column turned of a line: the same of all lines of a point. */
+/* Reads column turned of a line. All lines of a point must have the same number. */
 static void read_turned(cli_observations *observations, const cli_observation *o,
                         size_t column)
 {
@@ -420,8 +422,8 @@ static int by_value(const void *left, const void *right)
     return (a > b) - (a < b);
 }
 
-/* The noise of the usual line is 1: all noises of the rig are then those of such a line,
- * in pixels. */
+/* Divides all noises by their median. The noises of the rig are then those of a median
+ * line, in pixels. */
 static void divide_by_usual_sigma(cli_observations *observations)
 {
     const size_t count = observations->count;
@@ -470,7 +472,7 @@ void cli_observations_read(cli_observations *observations, const char *path,
 
 /* ==== transforms ========================================================== */
 
-/* How far R R^T is from the identity, in its worst entry. */
+/* The largest error of an entry of R R^T against the identity. */
 static double skewness(const double R[9])
 {
     double worst = 0;
@@ -489,7 +491,8 @@ static double skewness(const double R[9])
 
 static void read_transform(rigcal_transform *transform, const csv_table *table, size_t row)
 {
-    /* Written digits round a rotation; more than that is another matrix. */
+    /* A rotation that was rounded when it was written is off by less. A matrix that is off
+     * by more is refused. */
     static const double ROUNDING = 1e-6;
     char name[] = "R11", axis[] = "tx";
     rigcal_real M[9];

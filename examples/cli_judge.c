@@ -46,8 +46,8 @@ static rigcal_status judge_in_steps(calibration *c, uint8_t left_out[], int32_t 
 
 /* ==== the choice ========================================================== */
 
-/* Without --sigma, and where all views have three points, nothing tells the noise: it is
- * then taken for one pixel. */
+/* Without --sigma, and if all views have three points, the data do not show the noise. It
+ * is then taken as one pixel. */
 static rigcal_status choose_poses(calibration *c, int32_t *at_fault)
 {
     rigcal_status status = choose_in_steps(c, at_fault);
@@ -62,7 +62,7 @@ static rigcal_status choose_poses(calibration *c, int32_t *at_fault)
 
 /* ==== what follows ======================================================== */
 
-/* Whether the view's camera has another view that is checked. */
+/* Whether the camera of this view has another view that is checked. */
 static int has_another(const calibration *c, const view *v)
 {
     const view *other;
@@ -100,7 +100,7 @@ void note_verdicts(calibration *c)
     }
 }
 
-/* The first camera that has a view left. */
+/* The first camera that still has a view. */
 static size_t first_camera(const calibration *c)
 {
     size_t first = c->rig.n_cameras, i;
@@ -115,7 +115,7 @@ static size_t first_camera(const calibration *c)
     return first;
 }
 
-/* The first camera of each group is where it is, to the last digit. */
+/* Makes the pose of the first camera of each group exact, to the last digit. */
 static void make_exact(const calibration *c)
 {
     static const rigcal_transform IDENTITY = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
@@ -130,8 +130,8 @@ static void make_exact(const calibration *c)
     }
 }
 
-/* The first camera, whose frame the rig's is, has no view left: the frame becomes that of
- * another. */
+/* Gives the rig the frame of another camera, because the camera whose frame it has lost its
+ * last view. */
 static rigcal_status change_frame(calibration *c, size_t main_camera, int32_t *at_fault)
 {
     rigcal_rig *rig = &c->rig;
@@ -156,7 +156,7 @@ static rigcal_status change_frame(calibration *c, size_t main_camera, int32_t *a
     return rigcal_rig_adjust(&c->judgement.fit, at_fault, rig);
 }
 
-/* Where the adjustment fails, the rig is that of the choice. */
+/* If the adjustment fails, the rig remains that of the choice. */
 static int judge_views(calibration *c)
 {
     rigcal_rig *rig = &c->rig;

@@ -4,7 +4,7 @@
 #include <string.h>
 
 typedef struct {
-    size_t number, in_rig; /* of its name in cameras.csv; in rig.csv */
+    size_t number, in_rig; /* number of the name in cameras.csv; number in rig.csv */
     const char *name;
     const rigcal_camera *camera;
     const rigcal_transform *cam_from_rig;
@@ -110,7 +110,7 @@ static void print_line(epipolar *e)
     }
 }
 
-/* The visible part of the curve, by its first and last sample. */
+/* Prints the first and the last sample of the visible part of the curve. */
 static void print_curve_ends(epipolar *e, const rigcal_real ray_a[3],
                              const rigcal_real depth[2])
 {
@@ -143,7 +143,7 @@ static void print_depths(epipolar *e, const rigcal_real depth[2])
         failed(e, RIGCAL_ERR_WIDE_RAY, "depth");
         return;
     }
-    for (k = 0; k < 3; k++) { /* so that depths count along the axis */
+    for (k = 0; k < 3; k++) { /* so that depths are measured along the axis */
         ray[k] = e->ray_a[k] / e->ray_a[2];
     }
     if (!failed(e,
@@ -177,7 +177,8 @@ static void print_band(epipolar *e, const cli_rig *rig, const rigcal_real depth[
     band.a = e->a.in_rig;
     band.b = e->b.in_rig;
     memcpy(band.uv_a, e->uv_a, sizeof band.uv_a);
-    if (depth[1] > 0 && e->ray_a[2] > 0) { /* from along the axis to along the ray */
+    if (depth[1] > 0 && e->ray_a[2] > 0) { /* from a depth along the axis to one along the
+                                              ray */
         band.near_a = depth[0] / e->ray_a[2];
         band.far_a = depth[1] / e->ray_a[2];
     }

@@ -1,4 +1,5 @@
-/* rigcal monitor: has a camera of a calibrated rig moved, which one, where is it now? */
+/* rigcal monitor: whether a camera of a calibrated rig has moved, which one, and where it
+ * is now. */
 #include "cli.h"
 #include "cli_os.h"
 
@@ -9,16 +10,16 @@
 
 #define DEGREE 57.295779513082320877
 
-/* frames: an alarm is answered after so many. */
+/* frames: an alarm is answered after this many. */
 enum { FRAMES_TO_ANSWER = 15 };
 
-/* 1: the probability of who moved above which that one alone is named. */
+/* 1: above this probability only the likeliest camera is named. */
 static const double TOLD = 0.9;
 
 typedef struct {
-    const char *path; /* of the stored bytes */
+    const char *path; /* path of the stored bytes */
     cli_transforms file;
-    cli_cameras cameras; /* their names, of rig.csv; intrinsics, of the bytes */
+    cli_cameras cameras; /* names from rig.csv, intrinsics from the stored bytes */
     rigcal_calibrated_rig rig;
     rigcal_real *monitor;
     rigcal_real sigma_px;
@@ -30,7 +31,7 @@ typedef struct {
 
 /* ==== the rig ============================================================= */
 
-/* "rig.bin" beside "rig.csv". */
+/* The path of "rig.bin" in the folder of "rig.csv". */
 static const char *beside(const char *path)
 {
     const size_t length = strlen(path);
@@ -96,7 +97,7 @@ static void read_stored(watch *w)
     check_status(w, rigcal_store_load_rig(rig, &info, bytes, n_bytes));
 }
 
-/* The names of its cameras are those of rig.csv, in its order. */
+/* Gives the cameras the names of rig.csv, in its order. */
 static void name_cameras(watch *w, const char *path)
 {
     static const double ROUNDING = 1e-6;
@@ -239,7 +240,8 @@ static void print_frame(const watch *w)
     printf("\n");
 }
 
-/* How far a camera has turned and its centre has shifted, seen from another. */
+/* How far a camera has turned, and how far its centre has moved, in the frame of another
+ * camera. */
 static void change(double *deg, double *shift, const rigcal_transform *before,
                    const rigcal_transform *after)
 {
@@ -268,8 +270,8 @@ static void change(double *deg, double *shift, const rigcal_transform *before,
     *shift = sqrt(squares);
 }
 
-/* Names of those who may have moved, with their probabilities. Of two cameras matches do
- * not tell which. */
+/* Names and probabilities of the cameras that may have moved. With only two cameras,
+ * matches do not show which one it was. */
 static const char *suspects(const watch *w)
 {
     const char *text = "";
@@ -291,7 +293,7 @@ static const char *suspects(const watch *w)
     return text;
 }
 
-/* The answer to an alarm: who moved is solved anew, and told. */
+/* Answers an alarm: solves again who moved, and prints it. */
 static void answer(watch *w)
 {
     const size_t body = (size_t)w->report.body, other = body == 0;
@@ -312,7 +314,7 @@ static void answer(watch *w)
                 "degrees and its centre shifted by %.3g; it is solved anew",
                 w->alarm_time, name_of(w, body), probability, deg, shift);
     } else {
-        cli_say("alarm at %.6g s: a camera moved, and nothing tells which: %s. A turn of "
+        cli_say("alarm at %.6g s: a camera moved, and nothing shows which: %s. A turn of "
                 "%.3g degrees and a shift of %.3g between %s and %s are taken for %s's",
                 w->alarm_time, who, deg, shift, name_of(w, other), name_of(w, body),
                 name_of(w, body));
@@ -344,7 +346,7 @@ static void end_frame(watch *w, double next)
     }
 }
 
-/* What would not have been noticed. */
+/* Prints the smallest moves that would have been noticed. */
 static void tell_limits(const watch *w)
 {
     double worst = 0;
@@ -357,8 +359,7 @@ static void tell_limits(const watch *w)
             continue;
         }
         if (body.is_blind) {
-            cli_say("camera %s is blind: too few of its matches came to tell whether it "
-                    "moved",
+            cli_say("camera %s is blind: it has too few matches to tell whether it moved",
                     name_of(w, i));
         } else if ((double)body.smallest_rad > worst) {
             worst = (double)body.smallest_rad;
@@ -392,7 +393,7 @@ static void tell_end(watch *w)
 
 /* ==== frames ============================================================== */
 
-/* 1: taken; 0: it cannot be used. */
+/* Returns 1 if the match was taken, 0 if it cannot be used. */
 static int take_match(watch *w, size_t a, const rigcal_real uv_a[2], size_t b,
                       const rigcal_real uv_b[2], rigcal_status *status)
 {
@@ -471,7 +472,7 @@ static void run_matches(watch *w, const char *path)
 }
 
 typedef struct {
-    double time; /* the sum of n_times, then their mean */
+    double time; /* the sum of n_times times, then their mean */
     size_t first, n, n_times;
 } timed_frame;
 
@@ -482,8 +483,8 @@ static int by_time(const void *a, const void *b)
     return (x->time > y->time) - (x->time < y->time);
 }
 
-/* Frames of observations with their times: the mean of each, where cameras have times of
- * their own. */
+/* Reads the frames of observations with their times. If cameras have times of their own, a
+ * frame has the mean of these. */
 static timed_frame *read_times(const cli_observations *o, const char *path)
 {
     timed_frame *frames = cli_alloc(o->frames.count, sizeof *frames);
@@ -518,8 +519,8 @@ static timed_frame *read_times(const cli_observations *o, const char *path)
     return frames;
 }
 
-/* Points that two cameras or more saw in a frame are matches, of each camera and the next.
- * */
+/* If two cameras or more saw a point in a frame, each of them and the next one make a
+ * match. */
 static void run_observations(watch *w, const char *path, const char *times_path)
 {
     cli_observations o;

@@ -1,4 +1,4 @@
-/* Names, numbered in order of first appearance; those that look alike. */
+/* Names, numbered in order of first appearance, and names that look alike. */
 #include "cli_input.h"
 #include "cli_os.h"
 
@@ -17,7 +17,7 @@ void cli_names_open(cli_names *names)
     names->name = cli_alloc(names->room, sizeof *names->name);
 }
 
-/* FNV-1a. */
+/* The FNV-1a hash of a name. */
 static uint32_t hash_of(const char *text)
 {
     uint32_t hash = 2166136261U;
@@ -28,7 +28,7 @@ static uint32_t hash_of(const char *text)
     return hash;
 }
 
-/* Where the name is, or the free slot it belongs in. */
+/* The slot of the name, or the free slot in which it belongs. */
 static size_t slot_of(const cli_names *names, const char *name)
 {
     size_t slot;
@@ -49,7 +49,7 @@ size_t cli_names_find(const cli_names *names, const char *name)
     return number > 0 ? number - 1 : CLI_UNKNOWN;
 }
 
-/* A copy that stays where it is. Many names share a block. */
+/* A copy of the name that is never moved. Many names share a block of memory. */
 static const char *keep(cli_names *names, const char *name)
 {
     enum { BLOCK = 4096 };
@@ -66,7 +66,7 @@ static const char *keep(cli_names *names, const char *name)
     return copy;
 }
 
-/* Room for twice as many. */
+/* Makes room for twice as many names. */
 static void enlarge(cli_names *names)
 {
     size_t i;
@@ -106,7 +106,7 @@ static int is_ignored(unsigned long c, int is_blank)
            c == 0xfeff || c == '"' || c == '\'';
 }
 
-/* Whether the name is a number that a double holds exactly. */
+/* Whether the name is a number that a double holds exactly. *value is that number. */
 static int is_number(double *value, const char *name)
 {
     const char *problem, *end = cli_number(value, &problem, name);
@@ -114,7 +114,8 @@ static int is_number(double *value, const char *name)
     return problem == NULL && *end == '\0' && strlen(name) <= 15;
 }
 
-/* The same for names that look alike: 5, 05 and 5.0; cam1, Cam1 and CAM01. To be freed. */
+/* A key that is the same for names that look alike: 5, 05 and 5.0; cam1, Cam1 and CAM01.
+ * The caller frees it. */
 static char *key_of(const char *name)
 {
     enum { DIGITS = 9 };
@@ -161,7 +162,8 @@ const char *cli_names_alike(const cli_names *names, const char *name)
     return NULL;
 }
 
-/* Names by their keys, of which only hashes are held: there may be millions of names. */
+/* Names by their keys. Only the hashes of keys are held, because there may be millions of
+ * names. */
 typedef struct {
     const cli_names *names;
     uint32_t *hash;  /* of each name's key */
@@ -169,8 +171,8 @@ typedef struct {
     size_t n_slots;
 } keyed_names;
 
-/* The first name with the key of name i, where the names before i have been asked for: i if
- * none of them has that key. */
+/* The first name that has the key of name i; i if no earlier name has it. The names before
+ * i must have been asked for. */
 static size_t first_alike(keyed_names *keyed, size_t i)
 {
     const cli_names *names = keyed->names;

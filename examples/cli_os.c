@@ -1,4 +1,4 @@
-/* The one file that knows the system. */
+/* The only file that depends on the operating system. */
 #if !defined(_WIN32)
 #define _XOPEN_SOURCE 700
 #endif
@@ -224,7 +224,7 @@ static char *narrow(const wchar_t *text)
     return copy;
 }
 
-/* A path as the system wants it. To be freed. */
+/* A path in the form that Windows wants. The caller frees it. */
 static wchar_t *wide(const char *path)
 {
     const int size = MultiByteToWideChar(CP_UTF8, 0, path, -1, NULL, 0);
@@ -273,7 +273,7 @@ int cli_os_is_terminal(void)
     return GetConsoleMode(console, &mode) && SetConsoleMode(console, mode | RUBS_OUT);
 }
 
-/* Bytes of the character that begins with this one; 0 if none does. */
+/* Number of bytes of the UTF-8 character that begins with this byte; 0 if none does. */
 static int length_of(unsigned char first)
 {
     return first < 0x80   ? 1
@@ -326,7 +326,7 @@ FILE *cli_os_create(const char *path)
     return fd < 0 ? NULL : _fdopen(fd, "wb");
 }
 
-/* errno for what GetLastError says. */
+/* The errno for an error of GetLastError. */
 static int reason_of(DWORD error)
 {
     switch (error) {
@@ -346,8 +346,8 @@ static int reason_of(DWORD error)
     }
 }
 
-/* Programs that look at new files, as those against viruses do, hold them for a moment:
- * then it is tried again. */
+/* Virus scanners and the like hold a new file open for a moment. Then the call is tried
+ * again. */
 int cli_os_rename(const char *from, const char *to)
 {
     enum { TRIES = 20, PAUSE_MS = 50 };
@@ -469,7 +469,7 @@ int cli_os_is_slash(char c)
     return c == '/' || c == '\\';
 }
 
-/* "C:\" or "C:", "\\computer\share". */
+/* Length of the root of a path: "C:\" or "C:", "\\computer\share". */
 size_t cli_os_root(const char *path)
 {
     size_t i = 2;
@@ -495,8 +495,9 @@ enum { ENDED_BY_CONTROL_C = -1073741510 }; /* STATUS_CONTROL_C_EXIT, 0xC000013A 
 
 static volatile LONG has_signal;
 
-/* In a thread of its own. Behind all but Ctrl C and Ctrl Break the system ends the program
- * when this returns: it waits for the program to end by itself. */
+/* Runs in a thread of its own. For all events except Ctrl C and Ctrl Break, the system ends
+ * the program when this function returns. So it waits until the program has ended by
+ * itself. */
 static BOOL WINAPI hear(DWORD signal)
 {
     InterlockedExchange(&has_signal, 1);

@@ -12,7 +12,7 @@ void cli_write_numbers(FILE *file, const rigcal_real numbers[], size_t count)
 {
     size_t i;
 
-    for (i = 0; i < count; i++) { /* + 0: no minus before a zero */
+    for (i = 0; i < count; i++) { /* + 0 turns -0 into 0 */
         fprintf(file, ",%.*g", CLI_DIGITS, (double)numbers[i] + 0);
     }
 }
@@ -53,13 +53,13 @@ void cli_flush_stdout(const char *consequence)
  * files are there, or are given up. */
 
 struct cli_output {
-    char *folder, *work; /* work: NULL until made */
-    int is_new;          /* work becomes the folder */
-    char **made;         /* folders made on the way to it */
+    char *folder, *work; /* work: NULL until it is made */
+    int is_new;          /* whether `work` becomes the folder */
+    char **made;         /* folders made above it */
     size_t n_made;
     size_t count;
     const char *name[CLI_OUTPUT_MAX];
-    FILE *file[CLI_OUTPUT_MAX]; /* NULL when closed */
+    FILE *file[CLI_OUTPUT_MAX]; /* NULL if closed */
 };
 
 #define UNFINISHED "rigcal-unfinished-"
@@ -73,7 +73,7 @@ static char *join(const char *folder, const char *before, const char *name)
     return path;
 }
 
-/* Removes what was made on the way. */
+/* Removes the folders and files that were made. */
 static void clean_up(cli_output *output)
 {
     size_t i;
@@ -115,7 +115,7 @@ static char *trimmed(const char *path)
     return copy;
 }
 
-/* Gives up unless the path is a folder; errno tells why it could not be made. */
+/* Ends the program unless the path is a folder. errno says why it could not be made. */
 static void want_folder(cli_output *output, const char *path)
 {
     const int reason = errno;
@@ -131,7 +131,7 @@ static void want_folder(cli_output *output, const char *path)
     }
 }
 
-/* The folders that lead to the last one. */
+/* Makes the parent folders of the path. */
 static void make_parents(cli_output *output)
 {
     const size_t room = strlen(output->folder) + 1;
@@ -152,7 +152,8 @@ static void make_parents(cli_output *output)
     }
 }
 
-/* Earlier runs that were killed while they replaced the files of this folder. */
+/* Names folders of earlier runs that were killed while they replaced the files of this
+ * folder. */
 static void name_unfinished(const char *folder, const char *name)
 {
     if (strncmp(name, UNFINISHED, sizeof UNFINISHED - 1) == 0) {
@@ -226,7 +227,7 @@ static void close_file(cli_output *output, size_t i)
     }
 }
 
-/* Gives up if a folder has the name of one of the files. */
+/* Ends the program if a folder has the name of one of the files. */
 static void check_places(cli_output *output)
 {
     size_t i;
@@ -241,7 +242,8 @@ static void check_places(cli_output *output)
     }
 }
 
-/* Moves a file of the folder into work, or out of it; 0 done, or not there. */
+/* Moves a file of the folder into `work`, or back. Returns 0 if done, or if there is no
+ * such file. */
 static int put_away(const cli_output *output, size_t i)
 {
     const int failed = cli_os_rename(join(output->folder, "", output->name[i]),
@@ -258,7 +260,7 @@ static int take_back(const cli_output *output, size_t i)
     return failed != 0 && errno != ENOENT ? -1 : 0;
 }
 
-/* Puts the earlier files back, where the first n_new places hold new ones. */
+/* Puts the earlier files back, after the first n_new places already got new ones. */
 static CLI_NORETURN void undo(cli_output *output, size_t n_new, const char *path)
 {
     const int reason = errno;

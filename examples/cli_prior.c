@@ -4,7 +4,7 @@
 
 #include <string.h>
 
-/* The numbers of the cameras of --hold, which become held. */
+/* Reads the names of --hold. These cameras become held. */
 static void read_hold(known_cameras *known, const cli_cameras *cameras, const char *hold)
 {
     char *name, *next;
@@ -28,7 +28,7 @@ static void read_hold(known_cameras *known, const cli_cameras *cameras, const ch
     }
 }
 
-/* The lines of --prior. Cameras of --hold need no covariance. */
+/* Reads the lines of --prior. Cameras of --hold need no covariance. */
 static void read_prior(known_cameras *known, const cli_cameras *cameras, const char *path)
 {
     cli_transforms file;
@@ -57,7 +57,7 @@ static void read_prior(known_cameras *known, const cli_cameras *cameras, const c
         }
     }
     if (n_held < known->n_held) {
-        cli_fail("a camera of --hold has no line in %s, which tells where it is held",
+        cli_fail("a camera of --hold has no line in %s, which must say where it is held",
                  path);
     }
 }
@@ -79,8 +79,7 @@ void read_known(known_cameras *known, const cli_cameras *cameras, const char *pr
     if (prior != NULL) {
         read_prior(known, cameras, prior);
     } else if (known->n_held > 1) {
-        cli_fail(
-            "--hold of several cameras needs --prior FILE, which tells where they are");
+        cli_fail("--hold of several cameras needs --prior FILE, which says where they are");
     }
     if (known->n_prior > 0 && !has_sigma) {
         cli_fail("--prior needs --sigma: the noise of a pixel weighs the observations "

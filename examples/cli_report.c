@@ -1,4 +1,4 @@
-/* What a person reads of a calibration. */
+/* What is printed of a calibration for a person to read. */
 #include "cli_calibrate.h"
 
 #include <math.h>
@@ -7,17 +7,17 @@
 
 /* ==== points that --robust left out ======================================= */
 
-/* A point left out, and how far it is from its place; less than 0: the camera cannot
- * see it there at all. */
+/* A point that was left out, and its distance from its expected pixel; below 0: the camera
+ * cannot see it there at all. */
 typedef struct {
-    size_t point; /* of the view's */
+    size_t point; /* number of the point in the view */
     double error_px;
-} outlier;
+} left_out_point;
 
-/* The worst first: those that cannot be seen, then the farthest. */
-static int compare_outliers(const void *va, const void *vb)
+/* Sorts the worst first: points that cannot be seen, then the farthest. */
+static int compare_errors(const void *va, const void *vb)
 {
-    const outlier *a = va, *b = vb;
+    const left_out_point *a = va, *b = vb;
     const int a_unseen = a->error_px < 0, b_unseen = b->error_px < 0;
 
     if (a_unseen != b_unseen) {
@@ -29,7 +29,7 @@ static int compare_outliers(const void *va, const void *vb)
     return (a->point > b->point) - (a->point < b->point);
 }
 
-static size_t list_outliers(outlier list[], const calibration *c, const view *v)
+static size_t list_left_out(left_out_point list[], const calibration *c, const view *v)
 {
     size_t k, count = 0;
 
@@ -42,13 +42,13 @@ static size_t list_outliers(outlier list[], const calibration *c, const view *v)
             list[count++].error_px = is_known ? (double)r.error_px : -1;
         }
     }
-    qsort(list, count, sizeof *list, compare_outliers);
+    qsort(list, count, sizeof *list, compare_errors);
     return count;
 }
 
-/* One line a view; returns how many points it does not name. */
-static size_t name_outliers(const calibration *c, const view *v, const outlier list[],
-                            size_t count)
+/* Prints one line for each view. Returns the number of points that it did not name. */
+static size_t name_points(const calibration *c, const view *v, const left_out_point list[],
+                          size_t count)
 {
     enum { NAMED = 5 };
     size_t i;
@@ -74,7 +74,7 @@ static size_t name_outliers(const calibration *c, const view *v, const outlier l
 
 void name_left_out(const calibration *c, const char *folder)
 {
-    outlier *list;
+    left_out_point *list;
     size_t i, count, unnamed = 0;
 
     for (i = 0; i < c->n_views; i++) {
@@ -82,8 +82,8 @@ void name_left_out(const calibration *c, const char *folder)
 
         if (v->n + v->n_unseen < v->n_seen) {
             list = cli_alloc(v->n_seen, sizeof *list);
-            count = list_outliers(list, c, v);
-            unnamed += name_outliers(c, v, list, count);
+            count = list_left_out(list, c, v);
+            unnamed += name_points(c, v, list, count);
         }
     }
     if (unnamed > 0 && folder != NULL) {
@@ -131,9 +131,9 @@ static void print_caveat(const view *v)
     }
 }
 
-/* How well the view's points that count fit in the rig; less than 0: the camera cannot
- * see one of them there. *worst: the point that is farthest off. */
-static double rms_in_rig(const calibration *c, const view *v, outlier *worst)
+/* Rms of the view's points that count, in the rig; below 0: the camera cannot see one of
+ * them there. *worst is the point that is farthest off. */
+static double rms_in_rig(const calibration *c, const view *v, left_out_point *worst)
 {
     const residual *list = view_residuals_in_rig(c, v);
     double sum = 0;
@@ -186,7 +186,7 @@ static void print_views(const calibration *c)
            wide_camera, "camera", wide_frame, "frame");
     for (i = 0; i < c->n_views; i++) {
         const view *v = &c->views[i];
-        outlier worst;
+        left_out_point worst;
 
         printf("%-*s  %-*s  %6lu  %8.3f", wide_camera, c->cameras.names.name[v->camera],
                wide_frame, c->observations.frames.name[v->frame], (unsigned long)v->n,
@@ -204,8 +204,8 @@ static void print_views(const calibration *c)
     }
 }
 
-/* Of all the views of a camera in the rig; less than 0: there is none, or one with a
- * point that the camera cannot see. */
+/* Rms of all views of a camera in the rig; below 0: there is no view, or one has a point
+ * that the camera cannot see. */
 static double camera_rms(const calibration *c, size_t rig_camera)
 {
     double sum = 0;
@@ -213,7 +213,7 @@ static double camera_rms(const calibration *c, size_t rig_camera)
 
     for (i = 0; i < c->n_views; i++) {
         const view *v = &c->views[i];
-        outlier worst;
+        left_out_point worst;
         double rms_px;
 
         if (v->rig_camera == rig_camera && v->in_rig) {
@@ -228,7 +228,7 @@ static double camera_rms(const calibration *c, size_t rig_camera)
     return n > 0 ? sqrt(sum / (double)n) : -1;
 }
 
-/* Noise of one coordinate, by the camera's own residuals. */
+/* Prints the noise of one coordinate, by the camera's own residuals. */
 static void print_sigma_px(const calibration *c, size_t rig_camera)
 {
     if (c->sigma_px != NULL && c->sigma_px[rig_camera] > 0) {
@@ -247,7 +247,8 @@ void print_rig_sigma(const rig_sigma *s, int is_known)
     }
 }
 
-/* Those of one frame: the main camera's, or of another group, its first one's. */
+/* Prints the cameras of one frame: that of the main camera, or, in another group, that of
+ * its first camera. */
 static void print_cameras(const calibration *c, const int shown[], const char *frame)
 {
     const int wide = widest(&c->cameras.names);
@@ -305,13 +306,13 @@ static void print_closure(const calibration *c)
         printf("sqrt(F) is not known: no two ways lead from a camera to another\n");
         return;
     }
-    printf("sqrt(F) %.2f: times more than noise the views disagree; F has %.0f and %.0f "
-           "degrees of freedom\n",
+    printf("sqrt(F) %.2f: the views disagree this many times as much as noise; F has %.0f "
+           "and %.0f degrees of freedom\n",
            c->root_F, (double)fit->freedom_between, (double)fit->freedom_within);
     print_verdict(c);
 }
 
-/* What --intrinsics-sigma adds. */
+/* Prints what --intrinsics-sigma adds. */
 static void print_intrinsics(const calibration *c)
 {
     const rigcal_intrinsics_sigma *s = &c->intrinsics;
@@ -324,7 +325,7 @@ static void print_intrinsics(const calibration *c)
     }
 }
 
-/* How points of different noise count. */
+/* Prints how points of different noise are weighted. */
 static void print_weights(const calibration *c)
 {
     if (c->is_weighing) {
@@ -350,7 +351,7 @@ static void print_fit(const calibration *c)
         return;
     }
     printf("+- of the rig: standard deviation for noise of %.3g px, %s%s", c->noise_px,
-           c->pose.sigma_px > 0 ? "as given" : "as the views by themselves tell",
+           c->pose.sigma_px > 0 ? "as given" : "as estimated view by view",
            c->factor > 1 ? "," : "\n");
     if (c->factor > 1) {
         printf("\nmultiplied by sqrt(F), %.2f\n", c->factor);
@@ -360,7 +361,7 @@ static void print_fit(const calibration *c)
 
 typedef struct {
     const view *v;
-    outlier worst;
+    left_out_point worst;
     double rms_px;
 } view_residuals;
 
@@ -374,7 +375,7 @@ static int compare_residuals(const void *va, const void *vb)
     return a->v < b->v ? -1 : a->v > b->v;
 }
 
-/* The worst point of each of the views where it is largest. */
+/* Prints the worst point of each view in which it is largest. */
 static void print_largest(const calibration *c)
 {
     enum { SHOWN = 5 };
@@ -403,7 +404,7 @@ static void print_largest(const calibration *c)
     }
 }
 
-/* What does not count in the rig, and what nothing checks. */
+/* Prints what does not count in the rig, and what is not checked by anything. */
 static void print_left_out(const calibration *c)
 {
     size_t i, n = 0, n_unchecked = 0;

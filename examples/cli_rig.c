@@ -27,8 +27,8 @@ const char *rig_frame_name(const calibration *c)
     return c->known.path != NULL ? c->known.path : rig_camera_name(c, c->main_camera);
 }
 
-/* The first of the views whose camera is this one, or a later one. Views are sorted by
- * camera and frame. */
+/* The first view whose camera is this one or a later one. Views are sorted by camera and
+ * frame. */
 static const view *first_from(const calibration *c, size_t camera)
 {
     size_t low = 0, high = c->n_views;
@@ -55,7 +55,7 @@ const view *views_of(const view **first, const calibration *c, size_t camera)
  *
  * It wants the views sorted by placement. Ours are sorted by camera, and stay so. */
 
-/* A view of the rig, and which of ours it is. */
+/* A view of the rig, and its number in `views`. */
 typedef struct {
     size_t placement, view;
 } place;
@@ -70,7 +70,7 @@ static int compare_places(const void *va, const void *vb)
     return a->view < b->view ? -1 : a->view > b->view;
 }
 
-/* The cameras with a view, numbered anew, in the order of the file. */
+/* Numbers the cameras that have a view anew, in the order of the file. */
 static void number_cameras(calibration *c)
 {
     size_t i;
@@ -86,8 +86,8 @@ static void number_cameras(calibration *c)
     }
 }
 
-/* The library's view of ours. Its points are gathered when they are asked for: no more than
- * one view of them is there twice. */
+/* Makes a view of the library from one of ours. Its points are gathered when they are
+ * needed, so only one view at a time is in memory twice. */
 static void fill_view(rigcal_rig_view *seen, const calibration *c, const view *v)
 {
     memset(seen, 0, sizeof *seen);
@@ -104,7 +104,8 @@ static rigcal_status view_at(rigcal_rig_view *seen, size_t index, void *context)
     return RIGCAL_OK;
 }
 
-/* What the view's pose number `which` says; of n = 0 if there is none. */
+/* Makes the library's form of pose number `which` of the view; with n = 0 if there is no
+ * such pose. */
 static rigcal_status make_pose(rigcal_view_pose *pose, const calibration *c, const view *v,
                                size_t which)
 {
@@ -144,7 +145,7 @@ static void gather_views(calibration *c)
             make_pose(&second[n], c, v, 1);
             v->rig_view = n;
             c->view_of[n++] = places[i].view;
-        } else if (c->n_paired == 0) { /* else it has been told */
+        } else if (c->n_paired == 0) { /* otherwise the user has been told */
             say_of_view(c, v,
                         cli_text("camera %s in frame %s is left out of the rig: %s",
                                  view_camera_name(c, v), view_frame_name(c, v),
@@ -160,7 +161,8 @@ static void gather_views(calibration *c)
     c->rig.n_views = n;
 }
 
-/* What is known of the cameras beforehand; the first that is fixed is the main one. */
+/* Gives each camera its role from what is known beforehand. The first fixed camera is the
+ * main one. */
 static void give_roles(calibration *c)
 {
     uint8_t *roles = cli_alloc(c->rig.n_cameras, sizeof *roles);
@@ -189,10 +191,10 @@ static size_t largest_work(const rigcal_rig *rig, size_t n_views)
     const size_t judge = rigcal_judge_work(rig->n_cameras, rig->n_placements) +
                          rigcal_clocks_work(rig->n_cameras, rig->n_cameras);
 
-    return choose > judge ? choose : judge; /* which is more than an adjustment takes */
+    return choose > judge ? choose : judge; /* this is more than an adjustment needs */
 }
 
-/* Placements without a frame are at most as many as views. */
+/* There are at most as many placements without a frame as views. */
 static void open_rig(calibration *c)
 {
     rigcal_rig *rig = &c->rig;
@@ -250,7 +252,7 @@ static void name_cameras_without_pose(calibration *c)
     }
 }
 
-/* Every camera by itself: what is known when joining them failed. */
+/* Leaves each camera by itself, after joining them failed. */
 static void stand_alone(calibration *c)
 {
     size_t i;
@@ -277,8 +279,8 @@ void name_rig_trouble(calibration *c, const char *what, rigcal_status status,
     }
 }
 
-/* A group of cameras is in the rig's frame if it has the main camera, or one whose
- * pose in that frame --prior tells. */
+/* Finds the groups that are in the rig's frame: those with the main camera, or with a
+ * camera whose pose in that frame --prior gives. */
 static void find_those_in_frame(calibration *c)
 {
     size_t i, k;
@@ -293,7 +295,7 @@ static void find_those_in_frame(calibration *c)
     }
 }
 
-/* Only --prior tells how they lie. */
+/* Names the cameras whose relative position only --prior gives. */
 static void name_those_by_prior(calibration *c)
 {
     size_t i;
@@ -301,7 +303,7 @@ static void name_those_by_prior(calibration *c)
     for (i = 0; i < c->rig.n_cameras; i++) {
         if (c->in_frame[i] && c->rig.group[i] != c->rig.group[c->main_camera]) {
             cli_say("camera %s shares no frame with %s, nor with a camera that does: "
-                    "only %s tells how they lie, and pairs.csv leaves the pair out",
+                    "only %s says how they lie, and pairs.csv leaves the pair out",
                     rig_camera_name(c, i), rig_camera_name(c, c->main_camera),
                     c->known.path);
             c->exit_status = CLI_GEOMETRY;
@@ -309,7 +311,7 @@ static void name_those_by_prior(calibration *c)
     }
 }
 
-/* The published procedure has no adjustment. */
+/* Joins the rig. With the published procedure there is no adjustment. */
 static int join_rig(calibration *c)
 {
     int32_t at_fault = -1;
@@ -327,8 +329,9 @@ static int join_rig(calibration *c)
     return 1;
 }
 
-/* The noise that the rig's sigmas are for, and how many times more than it the views
- * disagree. Without --sigma it is what the views tell by themselves. */
+/* Finds the noise that the sigmas of the rig are computed for, and how many times more than
+ * it the views disagree. Without --sigma, the noise is that of the views at their own
+ * poses. */
 void find_noise(calibration *c)
 {
     const rigcal_rig_fit *fit = &c->fit;
@@ -363,7 +366,7 @@ static void find_noise_of_cameras(calibration *c)
 
 /* ==== placements ========================================================== */
 
-/* Frames in which no camera of the rig has a pose, in one line. */
+/* Names in one line the frames in which no camera of the rig has a pose. */
 static void name_not_placed(const calibration *c, const int hidden[], size_t count)
 {
     enum { NAMED = 5 };
@@ -399,8 +402,8 @@ static int has_views(const calibration *c, size_t placement)
     return 0;
 }
 
-/* A frame with a view that is left out is told as that. One whose only pictures are now
- * paired with those of other frames is told there. */
+/* Finds the placements that have a pose. Frames with a view that is left out are reported
+ * there. So are frames whose only pictures are now paired with other frames. */
 static void find_placed(calibration *c)
 {
     int *hidden = cli_alloc(c->rig.n_placements, sizeof *hidden);
@@ -426,7 +429,7 @@ static void find_placed(calibration *c)
     }
 }
 
-/* Joining them failed: the first camera's poses are those of the targets. */
+/* After joining failed: the placements get the poses of the first camera. */
 static void place_alone(calibration *c)
 {
     size_t i;
@@ -454,7 +457,8 @@ rigcal_transform view_in_rig(const calibration *c, const view *v)
     return pose;
 }
 
-/* Where the cameras have clocks, a view sees the target where it is at its own time. */
+/* With clocks, the residuals of a view are taken where the target is at the time of that
+ * view. */
 static int put_residuals_by_clocks(residual list[], const calibration *c, const view *v)
 {
     rigcal_real *duv = cli_alloc(2 * v->n, sizeof *duv);
@@ -497,8 +501,8 @@ const residual *view_residuals_in_rig(const calibration *c, const view *v)
     return list;
 }
 
-/* Standard deviations of a pose whose covariance is Sigma: of the rotation, and of the
- * centre, which moves by -R^T (t x w + dt). */
+/* Standard deviations of a pose with covariance Sigma: of the rotation, and of the centre,
+ * which moves by -R^T (t x w + dt). */
 static void fill_sigma(rig_sigma *s, const rigcal_real t[3])
 {
     static const int NEXT[3] = {1, 2, 0};
@@ -593,8 +597,8 @@ rigcal_calibrated_rig rig_kept(const calibration *c)
     return kept;
 }
 
-/* The views in the order of their placements, and the rig of them; once more, where frames
- * are paired anew. */
+/* Sorts the views by placement and makes their rig. Repeats this if frames are paired
+ * anew. */
 static int join_or_judge(calibration *c)
 {
     int outcome;

@@ -1,4 +1,4 @@
-/* Every camera's pose in every frame, one by one. */
+/* The pose of every camera in every frame, each by itself. */
 #include "cli_calibrate.h"
 
 #include <math.h>
@@ -6,8 +6,8 @@
 
 enum { ROBUST_LEAST = 5 }; /* points that rigcal_robust_solve takes */
 
-/* Views whose bad fit is looked into: a view of 50 points takes some 3 ms, and where most
- * views are bad they have one cause. */
+/* At most this many views that fit badly are diagnosed. A view of 50 points takes about 3
+ * ms, and if most views are bad, they have one cause. */
 enum { DIAGNOSED_MOST = 100 };
 
 const rigcal_pose *view_taken(const view *v)
@@ -15,7 +15,7 @@ const rigcal_pose *view_taken(const view *v)
     return &v->poses[v->taken];
 }
 
-/* The best of the poses not taken, or NULL. */
+/* The best pose of those not taken, or NULL. */
 const rigcal_pose *view_second(const view *v)
 {
     const size_t other = v->taken == 0 ? 1 : 0;
@@ -122,7 +122,7 @@ static rigcal_status solve_by_paper(const calibration *c, view *v, const rigcal_
     return measured < 0 ? measured : status;
 }
 
-/* All points count, until they are left out. */
+/* Lets all points count, until some are left out. */
 static void note_points(view *v)
 {
     if (v->agree == NULL) {
@@ -131,7 +131,7 @@ static void note_points(view *v)
     }
 }
 
-/* Pixels beyond a lens's turning point say nothing of the pose: such points do not
+/* Pixels beyond the turning point of a lens say nothing about the pose. Such points do not
  * count. */
 static void leave_out_unseen(const calibration *c, view *v)
 {
@@ -172,7 +172,7 @@ static void name_unseen(const calibration *c, const view *v)
                  several);
 }
 
-/* Those that disagree do not count any more. */
+/* Solves with wrong points. Points that disagree do not count any more. */
 static rigcal_status solve_robustly(const calibration *c, view *v, const rigcal_view *seen,
                                     int32_t *at_fault)
 {
@@ -233,7 +233,7 @@ static rigcal_status solve(const calibration *c, view *v, int32_t *at_fault)
     return status;
 }
 
-/* A view that failed, or that has a caveat the summary does not tell. */
+/* Names a view that failed, or that has a caveat which the summary does not show. */
 static void name_trouble(calibration *c, const view *v, int32_t at_fault)
 {
     const char *camera = view_camera_name(c, v), *frame = view_frame_name(c, v);
@@ -255,8 +255,8 @@ static void name_trouble(calibration *c, const view *v, int32_t at_fault)
     say_of_view(c, v, what);
 }
 
-/* A view without a pose is not kept. One that only fits badly is, and the exit status is as
- * it was. */
+/* Tells what the pose function returned for a view. A view without a pose is not kept. A
+ * view that only fits badly is kept, and the exit status does not change. */
 static void find_of(calibration *c, const view *v, const char *what, const char *advice)
 {
     const int exit_status = c->exit_status;
@@ -292,7 +292,7 @@ void find_point(calibration *c, const view *v, const rigcal_blame *blame)
                          : "correct it, remove its line, or use --robust");
 }
 
-/* What would make a bad fit good; 0: that cannot be told. */
+/* What would make a bad fit good; 0: the data do not show it. */
 static int find_cause(calibration *c, const view *v)
 {
     const rigcal_view seen = view_points(c, v);
@@ -371,7 +371,7 @@ static void name_not_diagnosed(const calibration *c)
     }
 }
 
-/* In a view of fewer points --robust cannot tell which are wrong. */
+/* Names views with too few points for --robust to tell which are wrong. */
 static void name_not_robust(const calibration *c)
 {
     size_t i, count = 0;
@@ -391,7 +391,7 @@ static int same_view(const cli_observation *a, const cli_observation *b)
     return a->camera == b->camera && a->frame == b->frame;
 }
 
-/* Views in the list, and the points of the largest. */
+/* The number of views in the list, and the number of points of the largest. */
 static size_t count_views(const cli_observations *observations, size_t *most)
 {
     const cli_observation *list = observations->list;

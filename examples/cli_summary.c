@@ -1,4 +1,4 @@
-/* What a program reads of a calibration: summary.json. */
+/* summary.json: a calibration for a program to read. */
 #include "cli_calibrate.h"
 
 #include <float.h>
@@ -7,7 +7,7 @@
 
 /* ==== JSON ================================================================ */
 
-/* Text with its quotes; `size` bytes of it. */
+/* Writes `size` bytes of text as a JSON string, with quotes. */
 static void write_bytes(FILE *file, const char *text, size_t size)
 {
     size_t i;
@@ -48,7 +48,7 @@ static void write_field(FILE *file, const char *key, const char *text)
     write_text(file, text);
 }
 
-/* All digits of a double. */
+/* Writes a number with all digits of a double. */
 static void write_number(FILE *file, const char *key, double number, int is_known)
 {
     write_key(file, key);
@@ -59,7 +59,7 @@ static void write_number(FILE *file, const char *key, double number, int is_know
     }
 }
 
-/* "a,b" to a list of names. */
+/* Writes "a,b" as a list of names. */
 static void write_names(FILE *file, const char *names)
 {
     fputc('[', file);
@@ -80,7 +80,8 @@ static void write_names(FILE *file, const char *names)
 
 static void write_findings(FILE *file, const calibration *c)
 {
-    static const char *const ABOUT[] = {"rig", "camera", "view"}; /* by finding_rank */
+    static const char *const ABOUT[] = {"rig", "camera", "view"}; /* in the order of
+                                                                     finding_rank */
     const char *divider = "";
     size_t i;
 

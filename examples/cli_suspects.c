@@ -1,4 +1,4 @@
-/* What can be told before the rig: duplicates, wrong intrinsics, wrong points. */
+/* What looks wrong before there is a rig: duplicates, intrinsics, points. */
 #include "cli_calibrate.h"
 
 #include <math.h>
@@ -32,7 +32,7 @@ const char *names_with_commas(const char *const names[], size_t n)
 
 typedef struct {
     view *v;
-    double sum[2]; /* of its pixels */
+    double sum[2]; /* sums of its pixels, u and v */
 } pixels;
 
 static int compare_numbers(double a, double b)
@@ -74,7 +74,7 @@ static int same_pixels(const view *a, const view *b)
     return 1;
 }
 
-/* Two frames, the later first, and a camera that has the same pixels in both. */
+/* A camera that has the same pixels in two frames; the later frame first. */
 typedef struct {
     size_t frame, other;
     const char *camera;
@@ -156,8 +156,9 @@ void find_duplicates(calibration *c)
 
 /* ==== by their own fits =================================================== */
 
-/* A camera is suspect if its views fit so many times worse than those of the others, and
- * to no better than this [px]; a view, if so much worse than others of its camera. */
+/* A camera is suspect if its views fit this many times worse than those of the others, and
+ * to no better than the number of pixels below. A view is suspect if it fits that much
+ * worse than others of its camera. */
 #define WORSE 5.0
 #define VIEW_WORSE 4.0
 #define POOR_PX 1.0
@@ -174,7 +175,7 @@ static double median(double list[], size_t n)
     return n > 0 ? list[n / 2] : 0;
 }
 
-/* Noise of one coordinate, from the view's own fit; 0: it tells nothing. */
+/* Noise of one coordinate, from the view's own fit; 0: the fit gives no estimate. */
 static double own_noise(const calibration *c, const view *v)
 {
     const double rms_px = (double)view_taken(v)->rms_px, n = (double)v->n;
@@ -232,7 +233,7 @@ static void find_wrong_intrinsics(calibration *c, const double noise[])
     cli_free(others);
 }
 
-/* Points whose view fits badly for its camera, where one of them is the cause. */
+/* Finds views that fit badly for their camera because one of their points is wrong. */
 static void find_wrong_points(calibration *c, const double noise[])
 {
     enum { LOOKED_AT_MOST = 100 };
@@ -261,7 +262,7 @@ static void find_wrong_points(calibration *c, const double noise[])
     }
 }
 
-/* --sigma, where most views fit so much worse. */
+/* Finds whether --sigma is wrong: then most views fit that much worse than it says. */
 static void find_wrong_sigma(calibration *c, double list[])
 {
     const double sigma_px = (double)c->pose.sigma_px;

@@ -1,16 +1,16 @@
-/* By what a flat target looks alike: turns in its plane. */
+/* The symmetries of a flat target: turns in its plane that map it onto itself. */
 #include "cli_calibrate.h"
 
 #include <math.h>
 #include <string.h>
 
-/* Larger targets are not looked into: it takes n^2. */
+/* Larger targets are not examined: the work grows with n^2. */
 enum { POINTS_MOST = 2000 };
 
-/* Points in the target's plane, about their middle. */
+/* The points in the plane of the target, relative to their mean. */
 typedef struct {
     double (*at)[2];
-    size_t n, far; /* the point that is farthest off */
+    size_t n, far; /* far: number of the farthest point */
     double radius;
 } flat;
 
@@ -30,7 +30,7 @@ static double dot(const double a[3], const double b[3])
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-/* The points about their middle, and the one that is farthest off. */
+/* Sets the points relative to their mean, and finds the farthest. */
 static void centre(flat *f, double (*X)[3], const rigcal_observation seen[])
 {
     double middle[3] = {0, 0, 0};
@@ -55,7 +55,7 @@ static void centre(flat *f, double (*X)[3], const rigcal_observation seen[])
     }
 }
 
-/* Returns 0 if the points are on no plane, or on a line. */
+/* Returns 0 if the points are not in one plane, or are on one line. */
 static int flatten(flat *f, const rigcal_view *seen)
 {
     double(*X)[3] = cli_alloc(seen->n, sizeof *X);
@@ -89,7 +89,8 @@ static int flatten(flat *f, const rigcal_view *seen)
     return largest > 1e-3 * f->radius * f->radius && off < 0.01 * f->radius;
 }
 
-/* For each point, turned, the number of the one where it then is. 0: there is none. */
+/* For each point, the number of the point at the place to which the turn takes it. Returns
+ * 0 if a point has none. */
 static int permute(int32_t number[], const flat *f, double angle, int is_mirrored)
 {
     const double tolerance = 0.1 * f->radius / sqrt((double)f->n);
@@ -129,7 +130,7 @@ static int same_points(const rigcal_observation a[], const rigcal_observation b[
     return 1;
 }
 
-/* The farthest point turns to where another is as far off. */
+/* Each turn takes the farthest point to a point that is equally far. */
 static void find_turns(symmetries *s, int32_t *permutations, const flat *f, int is_mirrored)
 {
     const double tolerance = 0.1 / sqrt((double)f->n);
@@ -150,7 +151,7 @@ static void find_turns(symmetries *s, int32_t *permutations, const flat *f, int 
 const symmetries *symmetries_of(const rigcal_view *seen)
 {
     static symmetries s;
-    static rigcal_observation *target; /* of which they are */
+    static rigcal_observation *target; /* the points that are permuted */
     static int32_t *permutations;
     flat f;
 

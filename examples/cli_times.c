@@ -28,7 +28,7 @@ static const stamp *find_stamp(const known_times *times, size_t camera, size_t f
     return bsearch(&wanted, times->stamps, times->n_stamps, sizeof wanted, compare_stamps);
 }
 
-/* A camera has one line a frame. */
+/* Refuses a camera that has two lines for one frame. */
 static void check_twice(const known_times *times, const csv_table *table,
                         const cli_names *frames, const cli_cameras *cameras)
 {
@@ -46,7 +46,7 @@ static void check_twice(const known_times *times, const csv_table *table,
     }
 }
 
-/* Frames that have no observations may be there, and do not count. */
+/* Reads the stamps. Frames without observations are allowed, and are left out. */
 static void read_stamps(known_times *times, csv_table *table, cli_names *frames,
                         const cli_cameras *cameras, const cli_observations *observations)
 {
@@ -75,7 +75,8 @@ static void read_stamps(known_times *times, csv_table *table, cli_names *frames,
     check_twice(times, table, frames, cameras);
 }
 
-/* A frame of the file that has no observations, and looks like this one, or NULL. */
+/* A frame of the file that has no observations and whose name looks like this one, or
+ * NULL. */
 static const char *find_alike(const cli_names *frames, size_t n_observed, const char *frame)
 {
     size_t i;
@@ -88,7 +89,7 @@ static const char *find_alike(const cli_names *frames, size_t n_observed, const 
     return NULL;
 }
 
-/* Every view has a time. */
+/* Refuses a view without a time. */
 static void check_missing(const known_times *times, const cli_names *frames,
                           const cli_cameras *cameras, const cli_observations *observations)
 {
@@ -121,8 +122,8 @@ static int compare_stamps_of_frames(const void *va, const void *vb)
     return (a->time > b->time) - (a->time < b->time);
 }
 
-/* The middle one of the times of the cameras that have points of it: one that is wrong does
- * not count. */
+/* Gives each frame the median time of the cameras that have points in it. So one wrong time
+ * does not matter. */
 static void find_middles(known_times *times, const cli_observations *observations)
 {
     const size_t n = observations->frames.count;
@@ -164,7 +165,8 @@ static int compare_times(const void *va, const void *vb)
     return (a->frame > b->frame) - (a->frame < b->frame);
 }
 
-/* Numbers the frames of the observations, and of the stamps, anew: by their times. */
+/* Numbers the frames of the observations and of the stamps anew, in the order of their
+ * times. */
 static void sort_frames(known_times *times, cli_observations *observations)
 {
     const size_t n = observations->frames.count;
@@ -208,7 +210,7 @@ static void sort_frames(known_times *times, cli_observations *observations)
     cli_free(number);
 }
 
-/* A camera takes one picture after the other. */
+/* Refuses times that do not rise: a camera takes one picture after the other. */
 static void check_rising(const known_times *times, const csv_table *table,
                          const cli_cameras *cameras, const cli_observations *observations)
 {
@@ -247,7 +249,7 @@ static double number_of_frame(const char *name)
     return number;
 }
 
-/* All cameras have the time of the frame. */
+/* Gives all cameras the time of the frame. */
 static void stamps_of_frames(known_times *times, const cli_observations *observations)
 {
     const cli_observation *last = NULL;
@@ -304,7 +306,7 @@ static void check_options(const char *const option[OPTION_COUNT])
     }
 }
 
-/* Times count from the middle of all, so that none of their digits is lost. */
+/* Subtracts the middle of all times, so that no digits are lost. */
 static void centre_times(known_times *times, size_t n_frames)
 {
     const double middle = (times->of_frame[0] + times->of_frame[n_frames - 1]) / 2;
@@ -356,7 +358,7 @@ double time_of_view(const known_times *times, size_t camera, size_t frame)
     return find_stamp(times, camera, frame)->time;
 }
 
-/* The same deviations of all cameras. */
+/* All cameras get the same standard deviations. */
 rigcal_intrinsics_sigma choose_intrinsics_sigma(const char *text)
 {
     static const double MOST[5] = {0.5, 0.5, 1e5, 100, 100};

@@ -7,9 +7,9 @@
 
 typedef struct {
     size_t frame, point; /* numbers of their names */
-    size_t n;            /* cameras that it is measured from */
+    size_t n;            /* number of cameras that it is measured from */
     rigcal_real X[3], Sigma[9], rms_px, chi2, freedom;
-    const char *left_out; /* cameras whose views contradict the others; "" */
+    const char *left_out; /* cameras whose views contradict the others; "": none */
 } measurement;
 
 typedef struct {
@@ -18,7 +18,8 @@ typedef struct {
     cli_transforms targets;
     cli_observations observations;
     int in_targets;
-    int is_noise_known; /* else Sigma is for noise of one pixel, until it is estimated */
+    int is_noise_known; /* 0: Sigma is for noise of one pixel, until the noise is
+                           estimated */
     int exit_status;
     measurement *list;
     size_t count, n_failed, n_left_out, n_poor;
@@ -45,7 +46,7 @@ static void name_unused_cameras(const triangulation *t)
     }
 }
 
-/* Memory for the views of one point, of which there may be as many as cameras. */
+/* Allocates memory for the views of one point: at most one for each camera. */
 static void open_work(triangulation *t)
 {
     const size_t n = t->rig.rig.n_cameras;
@@ -91,7 +92,7 @@ static const char *name_of(const triangulation *t, size_t view)
     return t->rig.file.names.name[t->seen[view].camera];
 }
 
-/* The views of one point by cameras of the rig; returns how many. */
+/* Gathers the views of one point by cameras of the rig. Returns their number. */
 static size_t gather(triangulation *t, const cli_observation list[], size_t n)
 {
     size_t i, count = 0;
@@ -109,7 +110,7 @@ static size_t gather(triangulation *t, const cli_observation list[], size_t n)
     return count;
 }
 
-/* The first few; the CSV shows which of the others are missing. */
+/* Names the first few points that failed. The CSV file shows which others are missing. */
 static void name_failed(triangulation *t, const measurement *m, rigcal_status status)
 {
     enum { NAMED = 5 };
@@ -125,7 +126,7 @@ static void name_failed(triangulation *t, const measurement *m, rigcal_status st
     }
 }
 
-/* The views that were dropped, in the CSV and, the first few, in a message. */
+/* Puts the views that were dropped into the CSV file, and the first few into a message. */
 static void name_left_out(triangulation *t, measurement *m, size_t n, int only_two)
 {
     enum { NAMED = 5 };
@@ -140,16 +141,16 @@ static void name_left_out(triangulation *t, measurement *m, size_t n, int only_t
     }
     t->exit_status = CLI_GEOMETRY;
     if (t->n_left_out++ < NAMED) {
-        cli_say("frame %s, point %s: left out, for it contradicts the others: camera %s%s",
-                t->observations.frames.name[m->frame],
-                t->observations.points.name[m->point], m->left_out,
-                only_two ? "; only two cameras agree, which wrong ones may do by chance"
-                         : "");
+        cli_say(
+            "frame %s, point %s: left out, because it contradicts the others: camera %s%s",
+            t->observations.frames.name[m->frame], t->observations.points.name[m->point],
+            m->left_out,
+            only_two ? "; only two cameras agree, which wrong ones may do by chance" : "");
     }
 }
 
-/* Without the joint covariance of the rig no view is dropped: what disagrees may be the
- * rig. */
+/* Without the joint covariance of the rig no view is dropped, because the rig may be the
+ * cause of a disagreement. */
 static void measure(triangulation *t, const cli_observation list[], size_t n,
                     const rigcal_calibrated_rig *rig, const rigcal_real *sigma_px)
 {
@@ -206,7 +207,8 @@ static void measure_all(triangulation *t, const rigcal_calibrated_rig *rig,
     }
 }
 
-/* A point takes 3 of its 2 n coordinates; what they miss by is noise. */
+/* The noise of a pixel. A point uses up 3 of its 2 n coordinates; what is left of the
+ * residuals is noise. */
 static double estimate_sigma(const triangulation *t)
 {
     double sum = 0, freedom = 0;
@@ -222,7 +224,7 @@ static double estimate_sigma(const triangulation *t)
     return freedom > 0 ? sqrt(sum / freedom) : 0;
 }
 
-/* The sigmas were for noise of one pixel. */
+/* Scales the sigmas, which were for noise of one pixel. */
 static void scale_by(triangulation *t, double sigma_px)
 {
     size_t i;
@@ -244,8 +246,8 @@ static void set_noise(triangulation *t, double sigma_px)
     }
 }
 
-/* Where the noise is not known, what the points miss by tells it. With it, a rig with a
- * covariance measures again. */
+/* If the noise is not known, it is estimated from the residuals of the points. A rig with a
+ * covariance then measures again with that noise. */
 static void measure_with_noise(triangulation *t, const char *sigma)
 {
     const rigcal_calibrated_rig *rig = t->rig.rig.sigma_px > 0 ? &t->rig.rig : &t->exact;
@@ -274,7 +276,7 @@ static void measure_with_noise(triangulation *t, const char *sigma)
     measure_all(t, rig, t->noise);
 }
 
-/* Sigma of R X when that of X is S: R S R^T. */
+/* The covariance of R X if that of X is S: R S R^T. */
 static void turn_covariance(rigcal_real Sigma[9], const rigcal_real R[9])
 {
     rigcal_real RS[9], turned[9];
@@ -313,7 +315,7 @@ static rigcal_status into_target(measurement *point,
     return status;
 }
 
-/* Points of a frame whose target has no known place are left out. */
+/* Leaves out points of frames in which the place of the target is not known. */
 static void move_into_targets(triangulation *t)
 {
     size_t i, kept = 0, named = CLI_UNKNOWN;
@@ -371,7 +373,7 @@ static void print_points(const triangulation *t)
     }
 }
 
-/* What was told of the first few points alone. */
+/* Prints the totals of what was named only for the first few points. */
 static void tell_counts(const triangulation *t)
 {
     if (t->n_left_out > 5) {

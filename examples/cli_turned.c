@@ -1,6 +1,6 @@
 /* Targets that look the same from several sides, by column turned of the observations. In
- * each view it is open which side was read: those readings are taken with which the cameras
- * stand to each other in all frames as they do in most. */
+ * each view it is unknown which side was read. The readings are chosen so that the cameras
+ * have the same relative poses in all frames, as they have in most. */
 #include "cli_calibrate.h"
 
 #include <math.h>
@@ -8,24 +8,27 @@
 
 enum { TURNS_MOST = 12, RELATIONS_TRIED = 60 };
 
-/* A pose that differs by so much, rad and parts of the distance, counts as another one. */
+/* A pose counts as another one if it differs by this, in rad and in parts of the
+ * distance. */
 static const double FAR = 0.15;
 
-/* Turned points are beside points by at most this part of the target: digits of X,Y,Z. */
+/* A turned point may miss the place of another point by this part of the target, because X,
+ * Y, Z are written with few digits. */
 static const double DIGITS = 1e-4;
 
 typedef struct {
     calibration *c;
     size_t n_turns;
-    rigcal_transform back[TURNS_MOST]; /* turned target to target, so many turns */
-    rigcal_transform *in_rig;          /* cam_from_rig of each camera of cameras.csv */
+    rigcal_transform back[TURNS_MOST]; /* for a number of turns: takes the turned target to
+                                          the target */
+    rigcal_transform *in_rig;          /* for each camera of cameras.csv: cam_from_rig */
     int *is_in;
-    size_t *shared; /* of two cameras: the number of frames that both saw */
+    size_t *shared; /* for two cameras: the number of frames that both saw */
 } turning;
 
 /* ==== the turn ============================================================ */
 
-/* An observation of each point. */
+/* For each point, one of its observations. */
 static const cli_observation **places_of(const cli_observations *seen)
 {
     const cli_observation **place =
@@ -50,7 +53,7 @@ static const cli_observation **places_of(const cli_observations *seen)
     return place;
 }
 
-/* How many turns bring all points back. */
+/* The number of turns that bring all points back to themselves. */
 static size_t count_turns(const cli_observations *seen,
                           const cli_observation *const place[])
 {
@@ -74,8 +77,8 @@ static size_t count_turns(const cli_observations *seen,
     return most;
 }
 
-/* Axes by three points: columns are along a to b, in the plane, and normal to it. Returns
- * the size of the triangle, 0: the points are on a line. */
+/* Axes from three points. The columns are along a to b, in the plane, and normal to it.
+ * Returns the size of the triangle; 0: the points are on a line. */
 static double axes_of(double axes[9], const rigcal_real a[3], const rigcal_real b[3],
                       const rigcal_real c[3])
 {
@@ -111,7 +114,8 @@ static const rigcal_real *at_point(const cli_observation *const place[], size_t 
     return place[p]->seen.X_w;
 }
 
-/* The point that makes the largest triangle with a and b; a == b: the farthest one. */
+/* The point that makes the largest triangle with a and b. If a == b, the point that is
+ * farthest from a. */
 static size_t widest_with(const cli_observation *const place[], size_t n, size_t a,
                           size_t b)
 {
@@ -138,7 +142,7 @@ static size_t widest_with(const cli_observation *const place[], size_t n, size_t
     return best;
 }
 
-/* The rigid transform that takes each point to the one that it becomes. */
+/* The rigid transform that takes each point to the point that it becomes. */
 static rigcal_transform turn_of(const cli_observations *seen,
                                 const cli_observation *const place[])
 {
@@ -183,7 +187,7 @@ static rigcal_transform turn_of(const cli_observations *seen,
     return turn;
 }
 
-/* What the column says, checked; n_turns 1: there is none. */
+/* Checks what the column says and computes the turn. n_turns = 1: there is none. */
 static void find_turn(turning *t)
 {
     const cli_observations *seen = &t->c->observations;
@@ -197,7 +201,7 @@ static void find_turn(turning *t)
     }
     place = places_of(seen);
     for (k = 0; k < seen->points.count; k++) {
-        if (place[k] == NULL) { /* it is only named by another */
+        if (place[k] == NULL) { /* only another point refers to it */
             size_t p = 0;
 
             while (seen->turned[p] != k) {
@@ -244,7 +248,7 @@ static view *view_in(const calibration *c, size_t camera, size_t frame)
                : NULL;
 }
 
-/* cam_from_target of a view that was read after so many turns. */
+/* The pose cam_from_target of a view, if the target was read after this many turns. */
 static rigcal_transform reading(const turning *t, const view *v, size_t turns)
 {
     rigcal_transform read;
@@ -253,7 +257,7 @@ static rigcal_transform reading(const turning *t, const view *v, size_t turns)
     return read;
 }
 
-/* How far two poses are apart: rad, and the shift as a part of the distance. */
+/* The distance of two poses: the angle in rad, plus the shift as a part of the distance. */
 static double apart(const rigcal_transform *a, const rigcal_transform *b)
 {
     const rigcal_real off[3] = {a->t[0] - b->t[0], a->t[1] - b->t[1], a->t[2] - b->t[2]};
@@ -264,7 +268,7 @@ static double apart(const rigcal_transform *a, const rigcal_transform *b)
            2 * length_of(off) / fmax(length_of(a->t) + length_of(b->t), 1e-300);
 }
 
-/* b_from_a of each frame that both saw, one for each reading of b. */
+/* b_from_a of each frame that both cameras saw, once for each reading of b. */
 static rigcal_transform *relations_of(const turning *t, size_t a, size_t b,
                                       size_t *n_frames)
 {
@@ -288,7 +292,7 @@ static rigcal_transform *relations_of(const turning *t, size_t a, size_t b,
     return found;
 }
 
-/* How far the frames are from a relation in the mean, each at most FAR. */
+/* The mean distance of the frames from a relation. Each frame counts at most FAR. */
 static double disagreement(const turning *t, const rigcal_transform *relation,
                            const rigcal_transform all[], size_t n_frames)
 {
@@ -306,8 +310,8 @@ static double disagreement(const turning *t, const rigcal_transform *relation,
     return sum / (double)n_frames;
 }
 
-/* b_from_a with which most frames agree. Returns by how much more they do than with the
- * next one that is another. */
+/* Finds the b_from_a with which most frames agree. Returns by how much more they agree with
+ * it than with the best different one. */
 static double find_relation(rigcal_transform *b_from_a, const turning *t, size_t a,
                             size_t b)
 {
@@ -333,8 +337,8 @@ static double find_relation(rigcal_transform *b_from_a, const turning *t, size_t
     return next;
 }
 
-/* Cameras of cameras.csv that share frames with those that have a place: the pair of most
- * frames first. Returns 0 if there is none. */
+/* Finds the pair with most frames of a placed camera and one that is not. Returns 0 if
+ * there is no pair. */
 static int next_pair(size_t *a, size_t *b, const turning *t)
 {
     const size_t n = t->c->cameras.names.count;
@@ -368,7 +372,7 @@ static void count_shared(turning *t)
     }
 }
 
-/* Cameras whose frames do not tell which reading is meant. */
+/* Names cameras whose frames do not show which reading is right. */
 static void name_doubtful(const turning *t, const char *const names[], size_t n)
 {
     if (n > 0) {
@@ -383,7 +387,7 @@ static void name_doubtful(const turning *t, const char *const names[], size_t n)
     }
 }
 
-/* Each camera in the frame of the first of its group. */
+/* Places each camera in the frame of the first camera of its group. */
 static void place_cameras(turning *t)
 {
     static const rigcal_transform HERE = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
@@ -413,7 +417,7 @@ static void place_cameras(turning *t)
 
 /* ==== the readings ======================================================== */
 
-/* The reading of a view that is nearest to cam_from_target. Returns how far it is. */
+/* The reading of a view that is nearest to cam_from_target. Returns its distance. */
 static double nearest_reading(size_t *turns, const turning *t, const view *v,
                               const rigcal_transform *cam_from_target)
 {
@@ -432,8 +436,9 @@ static double nearest_reading(size_t *turns, const turning *t, const view *v,
     return least;
 }
 
-/* Turns of all views of a frame, by camera, if the first reading of view v is right.
- * Returns how far they are from where the rig has the target, each at most FAR. */
+/* The turns of all views of a frame, by camera, if the first reading of view v is right.
+ * Returns the distance of these views from the target's place in the rig. Each view counts
+ * at most FAR. */
 static double read_as(size_t turns[], const turning *t, const view *v)
 {
     const calibration *c = t->c;
@@ -456,7 +461,7 @@ static double read_as(size_t turns[], const turning *t, const view *v)
     return sum;
 }
 
-/* Gives the points of a view the names and places that they have once turned. */
+/* Gives the points of a view the names and places that they have after the turns. */
 static void turn_view(const turning *t, view *v, size_t turns,
                       const rigcal_real (*where)[3])
 {
@@ -478,8 +483,8 @@ static void turn_view(const turning *t, view *v, size_t turns,
     }
 }
 
-/* Turns of all views of a frame by which most of them stay as they were read. *n_others:
- * the number of the others. */
+/* The turns of all views of a frame that leave most of them as they were read. *n_others is
+ * the number of the other views. */
 static size_t usual_turns(size_t *n_others, const turning *t, size_t frame,
                           const size_t turns[])
 {
@@ -498,8 +503,8 @@ static size_t usual_turns(size_t *n_others, const turning *t, size_t frame,
     return best;
 }
 
-/* The view of a frame by whose first reading those of the others agree best with the rig,
- * or NULL, and their turns. */
+/* The view of a frame whose first reading makes the other views agree best with the rig,
+ * and their turns. NULL: there is none. */
 static const view *read_frame(size_t turns[], const turning *t, size_t frame)
 {
     const calibration *c = t->c;
@@ -522,9 +527,9 @@ static const view *read_frame(size_t turns[], const turning *t, size_t frame)
     return best;
 }
 
-/* Turns the views of a frame alike. Where there are times, the target is then near to where
- * it was in the frame before, as its motion is asked for. Returns how many views were read
- * otherwise than most. */
+/* Turns all views of a frame alike. If times are known, the target is put as near as
+ * possible to where it was in the frame before, because its motion is wanted. Returns the
+ * number of views that were read differently from most. */
 static size_t turn_frame(const turning *t, size_t frame, rigcal_transform *before,
                          int *has_before, size_t turns[], const rigcal_real (*where)[3])
 {

@@ -6,7 +6,7 @@
 #include "cli.h"
 #include "cli_os.h"
 
-/* In parts: C99 compilers need not take a string of more than 4095 bytes. */
+/* In several parts, because a C99 compiler may refuse a string of more than 4095 bytes. */
 static const char HELP_USAGE[] =
     "rigcal - where each camera of a rig is, from a few points of known shape\n"
     "\n"
@@ -68,8 +68,8 @@ static const char HELP_CALIBRATE[] =
     "  --method     ml, the default: the maximum-likelihood poses and rig, and their\n"
     "               uncertainties. paper: the published procedure, without --sigma,\n"
     "               --weigh, --robust, --hold and --prior.\n"
-    "  --progress   tells on standard error how far the work is, a line each, for\n"
-    "               programs that show it. A terminal shows it without being asked.\n"
+    "  --progress   prints on standard error how much of the work is done, line by\n"
+    "               line, for programs that show it. A terminal shows it anyway.\n"
     "\n";
 
 static const char HELP_OTHERS[] =
@@ -194,7 +194,7 @@ static const struct option OPTIONS[] = {
     {NULL, 0, NULL, 0},
 };
 
-/* Wrong use: the message, and where to read on. */
+/* Wrong use of an option: prints the message, and where help is. */
 #define WRONG_USE(...) (cli_say(__VA_ARGS__), hint())
 
 static CLI_NORETURN void hint(void)
@@ -254,15 +254,15 @@ static CLI_NORETURN void refuse_option(const command *chosen, char *const argv[]
     WRONG_USE("%s has no option %s", chosen->name, argv[optind - 1]);
 }
 
-/* A value that was left out makes getopt take the option that follows. With = in between
- * the value is meant: the word of argv has more than it. */
+/* If the value of an option is missing, getopt takes the next option as the value. With =
+ * the value is intended: then the word of argv is longer than the value. */
 static int is_option(const char *value, const char *word)
 {
     return value != NULL && value == word && strncmp(value, "--", 2) == 0;
 }
 
-/* One option, as getopt_long gives it. Returns 0 for --help and --version, which need
- * nothing more. */
+/* Takes one option from getopt_long. Returns 0 for --help and --version, after which
+ * nothing else is done. */
 static int take_option(const char *option[OPTION_COUNT], const command *chosen, int given,
                        char *const argv[])
 {

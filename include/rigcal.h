@@ -43,8 +43,8 @@
  * (several cameras), rigcal_choose.h (which of two poses a view has), rigcal_judge.h (which
  * views are wrong), rigcal_point.h (points with their sigma), rigcal_match.h (the band of a
  * matching line, and the search in it), rigcal_monitor.h (whether a rig has moved) and
- * rigcal_solvers.h (what the solvers keep; only its sizes matter to a caller).
- * rigcal_paper.h, the published procedure and its parts, is included by who wants it. */
+ * rigcal_solvers.h (what the solvers keep; only its sizes matter to a caller). It does not
+ * include rigcal_paper.h, which has the published procedure and its parts. */
 #ifndef RIGCAL_H
 #define RIGCAL_H
 
@@ -404,7 +404,7 @@ typedef struct rigcal_pose {
     rigcal_transform cam_from_world;
     rigcal_real sse;         /* sum of |du|^2 / sigma_i^2 over the points; without
                                 view->sigma, in px^2 */
-    rigcal_real rms_px;      /* reprojection error: root mean square a point */
+    rigcal_real rms_px;      /* reprojection error: sqrt(sum(du^2 + dv^2) / n) */
     rigcal_real probability; /* that this pose is the right one of those found, if noise is
                                 normal. They sum to 1 over all that were found */
 } rigcal_pose;
@@ -585,15 +585,15 @@ RIGCAL_API rigcal_status rigcal_robust_step(rigcal_robust_solver *solver, int32_
 /* As rigcal_pose_result, of the *n_inliers points that agree: those whose byte of `inliers`
  * is 1, not 0. The first status that applies:
  *
- * RIGCAL_FEW_AGREE: fewer than 6 agree, or so few, or so badly, that with all points wrong
- *     chance might bring it about; or another pose agrees with other points nearly as well:
- *     do not trust the pose without another reason. (E) Of 270 000 scenes with all points
- *     wrong at most 3 have a pose without this caveat.
+ * RIGCAL_FEW_AGREE: do not trust the pose without another reason (E). Fewer than 6 points
+ *     agree; or so few agree, or they agree so badly, that it might be chance with all
+ *     points wrong; or other points agree nearly as well with another pose. Of 270 000
+ *     scenes with all points wrong, at most 3 have a pose without this caveat.
  * RIGCAL_POOR_FIT, _BUDGET_SPENT, _VAGUE, _AMBIGUOUS: as there, of these points.
- * RIGCAL_MOST_DISAGREE: fewer than half of all points agree. The pose is no chance, but may
- *     be that of a part of the target, as of a grid shifted by one square.
+ * RIGCAL_MOST_DISAGREE: fewer than half of all points agree. They do not agree by chance,
+ *     but the pose may be that of a part of the target, as of a grid shifted by one square.
  * OK.
- * ERR_NO_CONSENSUS: no more agree than chance makes agree, or those that agree are too few
+ * ERR_NO_CONSENSUS: no more points agree than by chance, or those that agree are too few
  *     for a pose, or lie on a line.
  * ERR_NULL, ERR_RANGE, ERR_STATE, ERR_NO_POSE, ERR_DEGENERATE. */
 RIGCAL_API rigcal_status rigcal_robust_result(rigcal_pose poses[], size_t capacity,
@@ -630,10 +630,10 @@ typedef struct rigcal_blame {
 
 /* Which one of n >= 5 points to blame for a bad fit. rms_without[i] is the rms without
  * point i [px]. It is -1 where the other points have no pose, where the lens does not see
- * one of them, or where i was not left out. NULL: not wanted. Unless the options state the
- * noise, it is integrated over; to state it is better. Of five points, the four that are
- * left have two degrees of freedom. Without stated noise, RIGCAL_BLAME_SURE is then reached
- * less than half of the time, even for an error of 60 times the noise.
+ * one of them, or where i was not left out. NULL: not wanted. State the noise in the
+ * options if you know it; otherwise it is integrated over. Of five points, the four that
+ * are left have two degrees of freedom. Without stated noise, RIGCAL_BLAME_SURE is then
+ * reached less than half of the time, even for an error of 60 times the noise.
  * OK, ERR_NULL, ERR_TOO_FEW (n < 5), the statuses of rigcal_pose_begin, and errors of
  * rigcal_pose_result that no one point causes. */
 RIGCAL_API rigcal_status rigcal_pose_blame(rigcal_blame *blame, rigcal_real rms_without[],

@@ -10,7 +10,7 @@
  *
  * EQUATIONS.md CHOICE has the mathematics. */
 #ifndef RIGCAL_H
-#include "rigcal.h" /* which includes this one in its turn */
+#include "rigcal.h" /* rigcal.h includes this header too */
 #endif
 
 #ifndef RIGCAL_CHOOSE_H
@@ -92,7 +92,7 @@ typedef struct rigcal_choice {
     size_t n_left_out; /* number of views that take neither pose */
 } rigcal_choice;
 
-/* Two cameras are compared in at most this many placements: those that tell most. */
+/* Two cameras are compared in at most this many placements: those with most information. */
 enum rigcal_choose_limits { RIGCAL_CHOOSE_PLACEMENTS = 20 };
 
 /* Reals of rig->work that the choice needs. The adjustment that follows uses the same

@@ -12,7 +12,7 @@
  *
  * EQUATIONS.md CLOCKS has the mathematics. */
 #ifndef RIGCAL_H
-#include "rigcal.h" /* which includes this one in its turn */
+#include "rigcal.h" /* rigcal.h includes this header too */
 #endif
 
 #ifndef RIGCAL_CLOCKS_H
@@ -39,8 +39,8 @@ struct rigcal_clock_calls; /* the library's own */
  * placement's neighbours, counted from it. */
 enum rigcal_motion_limits { RIGCAL_MOTION_MOST = 4 };
 typedef struct rigcal_motion {
-    int32_t n; /* the curve passes through so many neighbours in time; 0: the motion is
-                  unknown */
+    int32_t n; /* number of neighbours in time that the curve passes through; 0: the motion
+                  is unknown */
     rigcal_real t[RIGCAL_MOTION_MOST], c[RIGCAL_MOTION_MOST][6];
 } rigcal_motion;
 

@@ -29,9 +29,9 @@
  *   -fsingle-precision-constant, in double      accuracy              gcc
  *   -fno-honor-nans, -fno-honor-infinities      NaN passes as good    nobody (clang)
  *
- * For the options that nobody tells, CMake searches the flags that it is given. Who builds
- * by hand has to check the flags. port/template/main_template.c checks on the target that
- * NaN is refused. -fno-math-errno and -fno-trapping-math do no harm.
+ * No compiler tells of the options in the last line. CMake searches its flags for them. If
+ * you build by hand, check the flags yourself. port/template/main_template.c checks on the
+ * target that NaN is refused. -fno-math-errno and -fno-trapping-math do no harm.
  *
  * Contraction: the compiler turns a product and a sum into one fused multiply-add, where
  * the processor has that instruction. gcc does so unless -ffp-contract=off or -std=c99 is

@@ -17,7 +17,7 @@
  *
  * EQUATIONS.md CONSIDER has the mathematics. */
 #ifndef RIGCAL_H
-#include "rigcal.h" /* which includes this one in its turn */
+#include "rigcal.h" /* rigcal.h includes this header too */
 #endif
 
 #ifndef RIGCAL_CONSIDER_H

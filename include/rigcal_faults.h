@@ -17,7 +17,7 @@
  *
  * EQUATIONS.md FAULTS has the mathematics. */
 #ifndef RIGCAL_H
-#include "rigcal.h" /* which includes this one in its turn */
+#include "rigcal.h" /* rigcal.h includes this header too */
 #endif
 
 #ifndef RIGCAL_FAULTS_H
@@ -218,7 +218,7 @@ typedef struct rigcal_faults_words {
     const char *time;         /* the unit of times; NULL: "s" */
     rigcal_real length_scale; /* how many of that unit make one of the caller's: 1000 to
                                  print mm where coordinates are in m. 0: 1 */
-    rigcal_real time_scale;   /* the same for times */
+    rigcal_real time_scale;   /* like length_scale, for times */
     int32_t with_unseen;      /* 1: the text also says, fault by fault, what could have been
                                  found */
 } rigcal_faults_words;

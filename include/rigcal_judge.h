@@ -12,7 +12,7 @@
  *
  * EQUATIONS.md JUDGE has the mathematics. */
 #ifndef RIGCAL_H
-#include "rigcal.h" /* which includes this one in its turn */
+#include "rigcal.h" /* rigcal.h includes this header too */
 #endif
 
 #ifndef RIGCAL_JUDGE_H
@@ -38,9 +38,10 @@ typedef struct rigcal_judged_view {
     rigcal_real cost;   /* how much the sum of squared errors falls without the view, after
                            its placement settles again; divided by the limit. Above 1 the
                            view is left out. 0: it is unchecked */
-    rigcal_real rms_px; /* reprojection error a point, sigma_i included, if its placement is
-                           where the other views put it. -1: a point would be behind the
-                           camera or beyond its lens, or there are no other views */
+    rigcal_real rms_px; /* root mean square reprojection error, sigma_i included, if the
+                           placement is where the other views put it. -1: a point would be
+                           behind the camera or beyond its lens, or there are no other
+                           views */
 } rigcal_judged_view;
 
 typedef struct rigcal_judgement {

@@ -16,7 +16,7 @@
  *
  * EQUATIONS.md MATCH has the mathematics: (M1) and so on. */
 #ifndef RIGCAL_H
-#include "rigcal.h" /* which includes this one in its turn */
+#include "rigcal.h" /* rigcal.h includes this header too */
 #endif
 
 #ifndef RIGCAL_MATCH_H
@@ -257,7 +257,7 @@ typedef struct rigcal_rectified {
 /* The aligned x axis is the baseline. The z axis is as near as possible to the mean of
  * both optical axes. The virtual camera has the mean focal length and the size of image a.
  * Its principal point is such that the middles of both images come to lie around the
- * middle of its own image. How far a match may be off its row is the band's to say.
+ * middle of its own image. The band says how far a match may be off its row.
  * OK, ERR_NULL, ERR_NOT_FINITE, ERR_CAMERA, ERR_ROTATION, ERR_RANGE, ERR_PARALLEL (the
  * centres coincide), ERR_EPIPOLE (the baseline is within 10 degrees of the optical axes),
  * ERR_NO_RAY, ERR_WIDE_RAY (the middle of an image is behind the aligned camera). */

@@ -4,7 +4,7 @@
  * A depth is a multiple of the ray that is handed in. For the ray (x, y, 1) the depth is
  * Z; for a unit ray it is the distance. */
 #ifndef RIGCAL_H
-#include "rigcal.h" /* which includes this one in its turn */
+#include "rigcal.h" /* rigcal.h includes this header too */
 #endif
 
 #ifndef RIGCAL_MEASURE_H

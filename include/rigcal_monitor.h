@@ -1,5 +1,5 @@
-/* rigcal_monitor.h - watches a rig that runs: has a camera moved, which one, where is it
- * now. Included by rigcal.h, whose first page holds here too.
+/* rigcal_monitor.h - watches a rig in use: whether a camera has moved, which one, and
+ * where it is now. Included by rigcal.h, whose first page holds here too.
  *
  * A monitor begins with a calibrated rig. Frame by frame it takes what the cameras see:
  * matched points, and views of targets that stay or are carried about. It follows the
@@ -24,7 +24,7 @@
  *
  * EQUATIONS.md MONITOR has the mathematics. */
 #ifndef RIGCAL_H
-#include "rigcal.h" /* which includes this one in its turn */
+#include "rigcal.h" /* rigcal.h includes this header too */
 #endif
 
 #ifndef RIGCAL_MONITOR_H
@@ -72,11 +72,13 @@ typedef struct rigcal_monitor_options {
                                 happen to be */
     rigcal_real wrong;       /* expected share of wrong matches, 0 .. 0.9. Default 0.1.
                                 Values below 1e-5 count as 1e-5 */
-    rigcal_real walk_rad;    /* random walk of each camera: rad, and lengths, per square */
-    rigcal_real walk_t;      /* root of a second, 0 .. 1 and 0 or more. Default 0: none */
-    rigcal_real move_rad;    /* the largest move that is expected: rad, > 0 .. 0.5 */
-    rigcal_real move_t;      /* and length, > 0. Defaults: 3 degrees, and a tenth of the
-                                mean distance of the cameras times move_rad; 0: default */
+    rigcal_real walk_rad;    /* random walk of each camera's rotation, in rad per square
+                                root of a second, 0 .. 1. Default 0: none */
+    rigcal_real walk_t;      /* the same of its place, in lengths, 0 or more. Default 0 */
+    rigcal_real move_rad;    /* the largest turn that is expected, in rad, > 0 .. 0.5.
+                                Default 3 degrees */
+    rigcal_real move_t;      /* the largest shift that is expected, > 0. 0: default, a tenth
+                                of the mean distance of the cameras times move_rad */
 } rigcal_monitor_options;
 
 /* Writes all defaults. move_t is 0, because its default depends on the rig. OK,

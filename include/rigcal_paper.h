@@ -168,7 +168,7 @@ typedef struct rigcal_elimination {
  *
  *   pairs       n_pairs >= 3
  *   pairs_used  2: only the first two pairs determine the angle, as published; the others
- *               are residuals (13c). 0: all pairs determine it, by least squares, and all
+ *               are residuals (15). 0: all pairs determine it, by least squares, and all
  *               are residuals. This has less noise in w for the same work
  *
  * OK, ERR_NULL, ERR_NOT_FINITE, ERR_RANGE, ERR_TOO_FEW, ERR_DEGENERATE (A is singular to

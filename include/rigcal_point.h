@@ -8,7 +8,7 @@
  *
  * EQUATIONS.md POINT has the mathematics. */
 #ifndef RIGCAL_H
-#include "rigcal.h" /* which includes this one in its turn */
+#include "rigcal.h" /* rigcal.h includes this header too */
 #endif
 
 #ifndef RIGCAL_POINT_H
@@ -71,7 +71,7 @@ typedef struct rigcal_measured_point {
     rigcal_real rms_px;         /* sqrt(sum(du^2 + dv^2) / n_used) */
     size_t n_used;              /* number of views that it is measured from */
     rigcal_point_gain *gains;   /* n_used are written, in the order of the views; NULL: not
-                                   wanted. rigcal_point_distance wants them */
+                                   wanted. rigcal_point_distance needs them */
     size_t gains_capacity;
 } rigcal_measured_point;
 

@@ -3,7 +3,7 @@
  * A caller needs only the sizes of the solvers. They are flat and may be copied. Do not
  * read or write their contents, which may change with every version. */
 #ifndef RIGCAL_H
-#include "rigcal.h" /* which includes this one in its turn */
+#include "rigcal.h" /* rigcal.h includes this header too */
 #endif
 
 #ifndef RIGCAL_SOLVERS_H

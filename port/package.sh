@@ -39,7 +39,7 @@ esac
 if [ -z "$url" ] && [ "$way" = cmsis-pack ]; then
     die "cmsis-pack needs a third argument: the URL of the folder that you publish it under"
 fi
-# It goes into XML, through sed.
+# The URL goes into XML by way of sed.
 case $url in
 *[!A-Za-z0-9:/.,_~%?=\#@+-]*)
     die "the URL $url holds a character that a URL does not, or one of ! \$ & ' ( ) * ;" ;;
@@ -116,7 +116,7 @@ lay_out() {
 
     case $way in
     arduino)
-        # One folder of sources, and no compiler options: the choices are a header's.
+        # One folder of sources. There are no compiler options: a header has the choices.
         cp "$root"/include/*.h "$root"/src/*.[ch] "$package/src"
         sed '/^#ifdef RIGCAL_CONFIG_FILE/i\
 #ifndef RIGCAL_CONFIG_FILE\

@@ -23,7 +23,8 @@ url=${2:-}
 [ ! -e "$out" ] || die "$1 exists: name a new folder"
 python=${PYTHON:-python3}
 
-# Times in the archives: that of the commit, or where there is no git what the caller says.
+# Time stamps in the archives: the time of the commit or, without git, the time that the
+# caller states.
 if [ -z "${SOURCE_DATE_EPOCH:-}" ]; then
     SOURCE_DATE_EPOCH=$(git -C "$root" log -1 --format=%ct) ||
         die "there is no commit here: give its time in seconds as SOURCE_DATE_EPOCH"

@@ -3,8 +3,8 @@
 
     sbom.py SECONDS     the time of the release, in seconds since 1970
 
-The library is its own files and nothing else: it links the C library's libm. A file is listed
-with its SHA-256 and its SHA-1, which SPDX demands.
+The library is its own files and nothing else: it links the C library's libm. Each file is
+listed with its SHA-256, and with its SHA-1, because SPDX demands it.
 """
 import datetime
 import hashlib

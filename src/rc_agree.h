@@ -44,8 +44,8 @@ rigcal_real rc_agree_misfit(const rigcal_points *points,
  * distance. */
 int rc_agree_differ(const rigcal_transform *a, const rigcal_transform *b, rigcal_real most);
 
-/* (E) How many poses would be expected to have so many of n points so near, if all points
- * were wrong. The nearest k points are counted, for the k that makes the figure least. The
+/* (E) The expected number of poses that have as many of n points as near, if all points are
+ * wrong. The nearest k points are counted, for the k that makes the figure least. The
  * search stops once it is below `enough`. area: of the pixels, in the unit of the squared
  * distances. */
 rigcal_real rc_agree_by_chance(const rc_agree_histogram *off, size_t n, rigcal_real area,

@@ -68,7 +68,7 @@ rigcal_real *rc_alarm_lent(rigcal_real bodies[], size_t body);
 
 /* ---- after rc_alarm_frame -------------------------------------------------- */
 
-/* log of the sum over all bodies. One exp a body */
+/* log of the sum over all bodies. Takes one exp for each body */
 rigcal_real rc_alarm_log_sum(const rc_alarm *alarm, const rigcal_real bodies[]);
 
 /* The share of a body in that sum, 0 .. 1. All shares add up to 1. */

@@ -24,12 +24,12 @@ rigcal_real rc_odds(rigcal_real sse, rigcal_real other, rigcal_real sigma_px,
 rigcal_real rc_expected_sets(size_t n, size_t count, rigcal_real near);
 
 /* The number k of standard deviations within which a normal variable lies with
- * `probability`, 0 < probability < 1. k^2 is the limit of chi squared of 1. Exact to a few
- * units in the last place of 1 - probability. */
+ * `probability`, 0 < probability < 1. k^2 is the limit of chi squared with 1 degree of
+ * freedom. Exact to a few units in the last place of 1 - probability. */
 rigcal_real rc_normal_within(rigcal_real probability);
 
 /* The same for the length of a vector of two normal variables: k^2 is the limit of chi
- * squared of 2. */
+ * squared with 2 degrees of freedom. */
 rigcal_real rc_plane_within(rigcal_real probability);
 
 /* The chance that F of (k, n) degrees of freedom exceeds this F. At least 2e-35. */

@@ -11,8 +11,8 @@
 
 /* ---- constants ----------------------------------------------------------- */
 
-/* sigma^2 tau^2: limit of the squared distance of two right claims. It is chi squared of 6
- * degrees of freedom, which exceeds 30 once in 25000. */
+/* sigma^2 tau^2: limit of the squared distance of two right claims. It is chi squared with
+ * 6 degrees of freedom, which exceeds 30 once in 25000. */
 #define RC_CHOOSE_LIMIT RC(30)
 
 /* ---- claims -------------------------------------------------------------- */
@@ -48,7 +48,8 @@ void rc_claim_place(rc_claim *placement, const rc_claim *view, const rc_claim *c
 void rc_claim_between(rc_claim *b_from_a, const rc_claim *b, const rc_claim *a);
 
 /* Squared distance of two claims of one transform, weighed by the sum of their covariances,
- * for noise of 1 px [px^2]. If both are right it is sigma^2 times chi squared of 6. */
+ * for noise of 1 px [px^2]. If both are right it is sigma^2 times chi squared with 6
+ * degrees of freedom. */
 rigcal_real rc_claims_apart(const rc_claim *p, const rc_claim *q);
 
 /* How far the other claims of a placement support one of them. Each view costs as much as
@@ -71,9 +72,9 @@ void rc_choose_support(rc_support *support, uint8_t choice[], const rc_claim cla
  * less. */
 int rc_choose_is_better(const rc_support *support, const rc_support *than);
 
-/* Of the n >= 1 claims of one placement (rc_claim_place): the index of the one that the
- * others support best. support and choice are as above. limit is 30 sigma^2 tau^2, or 30
- * times whatever stands for sigma^2 tau^2. O(n^2). */
+/* The index of the claim that the others support best, among the n >= 1 claims of one
+ * placement (rc_claim_place). support and choice are as above. limit is 30 sigma^2 tau^2,
+ * or 30 times whatever stands for sigma^2 tau^2. O(n^2). */
 size_t rc_choose_place(rc_support *support, uint8_t choice[], const rc_claim claims[],
                        size_t n, rigcal_real limit);
 

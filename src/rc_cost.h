@@ -7,7 +7,8 @@
 /* ---- constants ----------------------------------------------------------- */
 
 /* sigma^2: the most that a view may cost if noise is the only error. The cost is then chi
- * squared of 6, which exceeds 40 for one in two million right views. */
+ * squared with 6 degrees of freedom, which exceeds 40 for one in two million right
+ * views. */
 #define RC_COST_LIMIT RC(40)
 
 enum {

@@ -1,6 +1,6 @@
-/* rc_edge.h - a border of a band (EQUATIONS.md MATCH): its place over a place of the line. A
- * place of the line is p = (along, across) in the basis (ray, towards) of the band. A height
- * over it is a tangent, along the normal of the plane of the line. */
+/* rc_edge.h - a border of a band (EQUATIONS.md MATCH): its pixel over a place of the line.
+ * A place of the line is p = (along, across) in the basis (ray, towards) of the band. A
+ * height over it is a tangent, along the normal of the plane of the line. */
 #ifndef RC_EDGE_H
 #define RC_EDGE_H
 

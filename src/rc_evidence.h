@@ -1,5 +1,5 @@
-/* rc_evidence.h - what one view tells of faults of its camera, its clock and its board
- * (FAULTS in EQUATIONS.md, H4). */
+/* rc_evidence.h - the evidence of one view for faults of its camera, its clock and its
+ * board (FAULTS in EQUATIONS.md, H4). */
 #ifndef RC_EVIDENCE_H
 #define RC_EVIDENCE_H
 
@@ -20,13 +20,14 @@ enum {
 };
 
 /* Pairs of parameters that are tested together: the principal point, k1 and k2, the bend.
- * The number of the first of each pair. */
+ * rc_pair_first has the first parameter of each pair. */
 enum { RC_PAIRS = 3 };
 extern const uint8_t rc_pair_first[RC_PAIRS];
 
 /* How far the points reach, and which of them count. */
 typedef struct {
-    rigcal_real middle[2], half[2]; /* of the points' X and Y, over all views */
+    rigcal_real middle[2], half[2]; /* middle and half extent of the points' X and Y, over
+                                       all views */
     rigcal_real limit2;             /* px^2: limit of the squared error over sigma_i^2; 0:
                                        none */
     const rigcal_real *reference;   /* 3, of the camera: see below */

@@ -36,7 +36,7 @@ void rc_moved_begin(rigcal_moves *moves, const rigcal_columns *columns);
 void rc_moved_view(rigcal_moves *moves, const rc_border *border, size_t camera,
                    const rigcal_real g[6], const rigcal_real H[21]);
 
-/* Adds what the view tells of the camera's clock, if that is free. */
+/* Adds the information of the view on the camera's clock, if that is free. */
 void rc_moved_clock(const rigcal_moves *moves, const rigcal_columns *columns,
                     const rc_evidence *view, const rc_chain *chain, size_t camera);
 

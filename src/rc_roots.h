@@ -20,8 +20,8 @@ int32_t rc_triple_poses(rigcal_transform cam_from_points[RC_P3P_MAX], rigcal_tri
  * A step is the triple, the ray of one of its points, its poses, or the score of one pose:
  * O(n). triple->count, 0 at first, counts the steps. Returns 1 when it is done.
  *
- *   optima   out     the poses stand in list[], best first; n is 0 and stays so: read a
- *                    pose before so many optima are found
+ *   optima   out     the poses stand in list[], best first; n is 0 and stays 0: read a pose
+ *                    before optima that are found overwrite it
  *   n_roots  in/out  their number, 0 at first. 0 also where the triple is narrow, or the
  *                    lens images no ray at one of its points */
 int rc_roots_step(rigcal_optima *optima, uint8_t *n_roots, rigcal_triple *triple,

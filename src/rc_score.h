@@ -7,8 +7,8 @@
 
 /* ---- constants ----------------------------------------------------------- */
 
-/* halvings: of an interval that holds a median. Its error is then 2^-60 of the largest
- * number. */
+/* halvings: an interval that holds a median is halved this many times. The error is then
+ * 2^-60 of the largest number. */
 enum { RC_HALVINGS = 60 };
 
 /* ---- scores -------------------------------------------------------------- */
@@ -62,9 +62,9 @@ rigcal_real rc_score_variance(const rigcal_rig *rig, const rc_score_parts *parts
 size_t rc_score_view_of(const rigcal_rig *rig, const rc_score_parts *parts, size_t camera,
                         size_t placement);
 
-/* Lists the s->n placements that tell most about where camera s->b is. They come from what
- * s->b shares with camera s->a or, if s->a is -1, from the placements that are placed.
- * Returns 0 if there is none. */
+/* Lists the s->n placements with most information on the pose of camera s->b. They are
+ * those that s->b shares with camera s->a or, if s->a is -1, the placements that are
+ * placed. Returns 0 if there is none. */
 int rc_score_begin(rigcal_choose_solver *s, const rc_score_parts *parts);
 
 /* Scores the hypotheses of two placements of the list against each other. Returns RUNNING

@@ -1,7 +1,7 @@
 /* rc_trial.h - finds, after an alarm, which body moved and where it is now (M15 of MONITOR
  * in EQUATIONS.md). Each body has a trial, which assumes that it alone moved: it may have
  * made the largest move thought possible, all others are where the filter has them. Only
- * the trials take the rows that come. The sum of the logs of the rows' likelihoods tells
+ * the trials take the rows that come. The sum of the logs of the rows' likelihoods measures
  * how well a trial explains them. */
 #ifndef RC_TRIAL_H
 #define RC_TRIAL_H

@@ -13,8 +13,8 @@
  * 500 times as far as sideways. */
 #define RC_PARALLAX_MIN RC(3.05e-6)
 
-/* evaluations: of a triangulation, usually 2 or 3. It bounds the worst case, which the
- * manuals state. */
+/* evaluations: the most of a triangulation, usually 2 or 3. It bounds the worst case, which
+ * the manuals state. */
 enum { RC_TRIANGULATION_EVALS = 50 };
 
 /* ---- what is shared ------------------------------------------------------- */

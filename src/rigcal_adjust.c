@@ -6,7 +6,8 @@
 
 /* ---- constants ----------------------------------------------------------- */
 
-/* passes: of a search over all views, usually 4 to 8. It bounds the worst case. */
+/* passes: a search makes at most this many over all views, usually 4 to 8. This bounds the
+ * worst case. */
 enum { PASSES_MAX = 200 };
 
 /* part of the diagonal before placements were eliminated: a smaller pivot of a camera is

@@ -314,8 +314,8 @@ rigcal_real rc_alarm_log_sum(const rc_alarm *alarm, const rigcal_real bodies[])
     return most + rc_log(sum);
 }
 
-/* Makes H of the frame: the part `common` of it is g g^T, because the rows of a frame err
- * together by this share. */
+/* Replaces the part `common` of the frame's H by g g^T, because this share of the errors is
+ * the same in all rows of a frame. */
 static void weigh_frame(rigcal_real body[], rigcal_real common)
 {
     for (int k = 0; k < 21; k++) {

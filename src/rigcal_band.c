@@ -17,7 +17,7 @@
 /* 1: the most standard deviations. More are a mistake. */
 #define K_MAX RC(100)
 
-/* sine: of the angle below which rays are parallel to rounding, or a ray points to the
+/* sine: at a smaller angle rays are parallel to rounding, or a ray points to the
  * epipole. */
 #define PARALLEL_TOL (16 * RC_EPS)
 

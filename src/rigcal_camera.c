@@ -16,12 +16,12 @@
 /* part of the largest pixel: rounding adds this to MISS_MAX_PX. */
 #define MISS_ROUNDING (4 * RC_EPS)
 
-/* terms: the series of the sine and the cosine have so many. At pi the next one is below
+/* terms: the length of the series of the sine and the cosine. At pi the next one is below
  * 1e-16. */
 enum { RAY_TERMS = 14 };
 
-/* terms: the series of the arc tangent has so many, up to an eighth of a turn. The next one
- * is below rounding. */
+/* terms: the length of the series of the arc tangent, up to an eighth of a turn. The next
+ * one is below rounding. */
 enum { ANGLE_TERMS = RIGCAL_USE_FLOAT ? 10 : 22 };
 
 /* ---- checks -------------------------------------------------------------- */

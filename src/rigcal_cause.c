@@ -345,8 +345,8 @@ static void begin_scoring(rigcal_cause_solver *s)
     s->phase = SCORING;
 }
 
-/* Begins the next test of a camera. For a permutation it solves one view, which tells how
- * the permutation turns the target. */
+/* Begins the next test of a camera. For a permutation it solves one view, which gives the
+ * turn of the target by the permutation. */
 static void test_camera(rigcal_cause_solver *s)
 {
     const size_t row = s->test - FIRST_PERMUTATION;

@@ -6,8 +6,8 @@
  * sine does not show its axis. */
 #define HALF_TURN RC_TOL(1e-12, 1e-6)
 
-/* terms: of the series for the angle of a sine. It is exact to rounding for a turn up to a
- * right angle, and to one part in a million up to half a circle. */
+/* terms: the length of the series for the angle of a sine. It is exact to rounding for a
+ * turn up to a right angle, and to one part in a million up to half a circle. */
 enum { ARCSINE_TERMS = 14 };
 
 void rc_chain_of(rc_chain *chain, const rigcal_transform *cam_from_rig,

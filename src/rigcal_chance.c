@@ -20,14 +20,14 @@
 /* 1: from here on Stirling's series is exact to 3e-10. A smaller x is raised first. */
 #define STIRLING_FROM RC(8)
 
-/* steps: of the continued fraction. It needs some ten cube roots of the degrees of
- * freedom. */
+/* steps: the most of the continued fraction. It needs about ten times the cube root of the
+ * degrees of freedom. */
 enum { FRACTION_STEPS = 2000 };
 
 /* ---- facts --------------------------------------------------------------- */
 
-/* 2^90, in which large expected numbers are counted, lest they overflow on the way to a
- * small one. */
+/* 2^90. Large expected numbers are counted in this unit, so that they do not overflow
+ * before they become small. */
 #define EXPECTED_UNIT RC(1.237940039285380274899124224e27)
 
 /* Numerators and denominators of both quotients of rc_normal_within, by ascending powers

@@ -258,9 +258,9 @@ static void hold(const rigcal_rig_solver *s, const rc_rig_parts *parts, size_t a
     parts->g[at] = 0;
 }
 
-/* Chooses the clocks that the data tell about, after all views have been added. Where views
- * are of another time than their placement the motion lags by a step. Then the last digits
- * of the sum need not fall, and a larger gain counts as negligible. */
+/* Chooses the clocks on which the data have information, after all views have been added.
+ * If views have other times than their placement, the motion lags by a step. Then the last
+ * digits of the sum need not fall, and a larger gain counts as negligible. */
 static void choose_clocks(rigcal_rig_solver *s, const rc_rig_parts *parts,
                           const clock_parts *c)
 {
@@ -317,8 +317,8 @@ static void begin_placement(const rigcal_rig_solver *s, const rc_rig_parts *part
     memory->views = memory->late = 0;
 }
 
-/* Counts a view. The first view of a placement tells by how much the placement moves; all
- * its views use this. */
+/* Counts a view. The first view of a placement gives the move of the placement, which all
+ * its views use. */
 static void count_view(const rigcal_rig_solver *s, const rc_rig_parts *parts,
                        const clock_parts *c, const rigcal_real H[21], const rc_chain *chain,
                        int32_t camera)

@@ -5,7 +5,7 @@
 
 /* ---- constants ----------------------------------------------------------- */
 
-/* sigma^2: the median of chi squared of 6 degrees of freedom. The middle view costs about
+/* sigma^2: the median of chi squared with 6 degrees of freedom. The middle view costs about
  * this if noise is the only error. */
 #define COST_USUAL RC(5.35)
 

@@ -11,7 +11,7 @@ enum { POINTS_LEAST = 5 };
 /* chance of noise alone: below it one point is suspected. */
 #define LIKELY_CHANCE RC(0.1)
 
-/* probability: from here on it is surely this point and no other. */
+/* probability: with this or more, the point is called the wrong one for certain. */
 #define SURE_PROBABILITY RC(0.99)
 
 /* odds of the data as given to those mirrored: if they are less, the data are mirrored. */

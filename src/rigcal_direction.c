@@ -5,14 +5,15 @@
 /* 1, a tangent: longest Newton step to the best yaw. A longer one may leave its basin. */
 #define STEP_MOST RC(0.5)
 
-/* 1, a tangent: a step that is less is the last. The error of the cost is its square. */
+/* 1, a tangent: a smaller step is the last. The error of the cost is the square of that
+ * step. */
 #define STEP_SMALL RC(1e-3)
 
-/* steps: to the best yaw, usually 2 or 3. */
+/* steps: the most to the best yaw, usually 2 or 3. */
 enum { NEWTON_STEPS_MAX = 6 };
 
-/* part of the squared distance from the middle: an image whose squared extent is less is
- * one point. */
+/* part of the squared distance from the middle: an image with a smaller squared extent
+ * counts as one point. */
 #define EXTENT_LEAST (64 * RC_EPS)
 
 /* ---- moments ------------------------------------------------------------- */

@@ -8,8 +8,8 @@
  * be some hundredths of it. */
 #define SETTLED_PX RC_TOL(1e-5, 0.05)
 
-/* rounds: to find a place of a border, usually 1 or 2. Where the lens folds all are
- * used. */
+/* rounds: the most to find a place of a border, usually 1 or 2. Where the lens folds, all
+ * are used. */
 enum { ROUNDS_MAX = 24 };
 
 /* 1: a height over the line, as a tangent, above which it is proved that the lens sees the
@@ -134,7 +134,8 @@ static int find_height(trial *found, const rigcal_edge *e, const rigcal_real p[2
 {
     const rigcal_real out = (e->side == 0) ? 1 : -1;
     rigcal_real h = height_at(e, p, slope2), beyond = out * RC_MAX;
-    trial now, inside = {.speed = RC_MAX}; /* all written, as it is copied */
+    trial now, inside = {.speed = RC_MAX}; /* all fields are written, because it is
+                                              copied */
     int has_inside = 0;
     for (int i = 0; i < ROUNDS_MAX; i++) {
         const int is_seen = try_height(&now, e, p, h) == RIGCAL_OK;

@@ -169,7 +169,7 @@ rigcal_status rc_eliminate(rigcal_elimination *out, const rigcal_pair pairs[],
     found.angle = rc_angle(s, c);
     found.unit = c * c + s * s - 1; /* (15) */
     found.residual = RC_FABS(found.unit);
-    for (size_t i = (size_t)pairs_used; i < n_pairs; i++) { /* (13c) ... */
+    for (size_t i = (size_t)pairs_used; i < n_pairs; i++) { /* (15): the pairs not used */
         rigcal_real pqk[3];
         coefficients(pqk, &pairs[i], &split);
         found.residual += RC_FABS((pqk[0] * c + pqk[1] * s) / length + pqk[2]);

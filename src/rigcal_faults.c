@@ -194,8 +194,8 @@ static void scan_of(rc_scan *scan, const rigcal_faults_solver *s, int32_t camera
     for (int k = 0; k < 2; k++) {
         scan->middle[k] = s->low[k] + (s->high[k] - s->low[k]) / 2;
         const rigcal_real half = (s->high[k] - s->low[k]) / 2;
-        scan->half[k] = (half > 0) ? half : 1; /* all points on a line: none is off the
-                                                  middle */
+        scan->half[k] = (half > 0) ? half : 1; /* all points are on a line, so none is off
+                                                  the middle */
     }
     scan->reference = &s->columns.reference[3 * camera];
     scan->limit2 = (s->options->is_truncated != 0) ? limit * limit : 0;
@@ -203,7 +203,7 @@ static void scan_of(rc_scan *scan, const rigcal_faults_solver *s, int32_t camera
 
 /* ---- a view ------------------------------------------------------------ */
 
-/* Adds how much of the view's disagreement lies along its motion (H12). Q and q are those
+/* Adds how much of the view's disagreement lies along its motion (H14). Q and q are those
  * of the clock. */
 static void add_along(rigcal_faults_solver *s, rigcal_real Q, rigcal_real q,
                       rigcal_real disagreement)

@@ -284,7 +284,8 @@ static void add_three(rigcal_real *to, size_t n, const rigcal_real *from, size_t
     }
 }
 
-/* Column j += by times what the columns beyond j, still U and D, contribute to P there. */
+/* Column j += `by` times the contribution to P of the columns beyond j, which are still U
+ * and D. */
 static void add_beyond(rigcal_real UD[], size_t n, size_t j, rigcal_real by)
 {
     rigcal_real *const to = &UD[rc_packed_at(j, 0)];
@@ -384,7 +385,7 @@ static int tell(rc_news *news, rigcal_real *hPh, rigcal_real *nu, const rc_filte
     return 1;
 }
 
-/* room = 0. `zero` is 0, here and below; the compiler must not know it, or it calls the C
+/* room = 0. `zero` is 0, here and below. If the compiler knew that, it would call the C
  * library's memset, which is slow. */
 static void clear_room(const rc_filter *f, rigcal_real zero)
 {

@@ -14,10 +14,11 @@
  * 100. */
 #define ALIKE_MOST RC(9.2)
 
-/* part of F - 1: that a fault must explain to be the reason, if F stays significant. */
+/* part of F - 1: a fault must explain at least this much to be the reason, if F stays
+ * significant. */
 #define EXPLAINS_LEAST RC(0.5)
 
-/* part of the sum: no gain may take more, or the logarithm of 0 follows. */
+/* part of the sum: the most that a gain may take. More would give the logarithm of 0. */
 #define GAIN_MOST (1 - RC_EPS)
 
 /* part of the disagreement: if more of it lies along the motion, single time stamps are
@@ -63,7 +64,7 @@ static void keep_if_finite(rigcal_fault *fault)
     *fault = unseen;
 }
 
-/* n log(1 - gain / sum), 0 of exact pixels. */
+/* n log(1 - gain / sum); 0 if the pixels are exact. */
 static rigcal_real log_of_rest(const rc_common *c, rigcal_real gain)
 {
     return (c->sum > 0) ? c->n_measured * rc_log1p(-rc_min(gain / c->sum, GAIN_MOST)) : 0;

@@ -12,7 +12,7 @@
  * next rung agree at it. */
 #define RUNG_ENOUGH RC(0.8)
 
-/* share: of the placements. If fewer of them agree, the views contradict each other. */
+/* share of the placements: if fewer of them agree, the views contradict each other. */
 #define SHARE_LEAST RC(0.5)
 
 /* placements: two cameras are believed against the others if they agree in this many,
@@ -23,11 +23,11 @@ enum { SURE_LEAST = 2 };
  * by chance. */
 enum { SURE_RUNG = 2 };
 
-/* pairs: so many are scored for each camera, those that share most information. More take
- * more time. */
+/* pairs: the number that is scored for each camera, those that share most information. More
+ * take more time. */
 enum { PAIRS_MOST = 3 };
 
-/* views: of a placement, those of most information, that may place it. */
+/* views: this many views of a placement, those with most information, may place it. */
 enum { VIEWS_MOST = 8 };
 
 enum { CHECKING = 1, WEIGHING, PAIRING, SCORING, CLAIMING, SUPPORTING, RESECTING, DONE };

@@ -5,8 +5,8 @@
 
 /* ---- constants ----------------------------------------------------------- */
 
-/* rounds: of naming. Each round takes the worst view of every placement. Wrong views that
- * it hides follow in the next round. */
+/* rounds: wrong views are named in at most this many rounds. Each round takes the worst
+ * view of every placement. Wrong views that it hides follow in the next round. */
 enum { ROUNDS = 3 };
 
 /* ---- what is handed in ------------------------------------------------------ */
@@ -83,9 +83,8 @@ static void leave_out_lone_views(rigcal_judge_solver *s, const rc_rig_parts *par
     }
 }
 
-/* Leaves out, too, the only view that still connects a camera to the others when more views
- * of that camera disagree. The camera would be where that view puts it, and nothing says
- * that it is right. */
+/* Leaves out the last view of a camera whose other views are left out. The camera would be
+ * wherever this view puts it, and nothing shows that the view is right. */
 static rigcal_status leave_out_lone_cameras(rigcal_judge_solver *s,
                                             const rc_rig_parts *parts, uint8_t mark)
 {

@@ -11,10 +11,10 @@ enum { WALK_MAX = 1024 };
 /* part of the way: a shorter step of a proof is rounding. */
 #define WALK_LEAST RC_EPS
 
-/* part of the way: a proof that ends so near to the end has reached it. */
+/* part of the way: a proof that comes this near to the end has reached it. */
 #define WALK_LEFT (4 * RC_EPS)
 
-/* steps: to find the radius that a lens maps to the wanted one. */
+/* steps: the number to find the radius that a lens maps to the wanted one. */
 enum { REACH_STEPS = 3 };
 
 /* times that radius: the radius of a proof's disc. Points are near where they were seen. */
@@ -26,7 +26,7 @@ enum { DISC_STEPS = 8 };
 /* steps: the most that Newton's method takes in such a disc. Usually it takes 3. */
 enum { NEAR_STEPS = 5 };
 
-/* squared distance in the plane: if Newton's method is so near to the target, its next
+/* squared distance in the plane: if Newton's method is this near to the target, its next
  * step is the last. That step misses by the square of this distance or, in float, by
  * rounding. */
 #define NEAR_ENOUGH RC_TOL(1e-10, 1e-8)
@@ -185,7 +185,7 @@ RC_APART_FAST static void radial_slope(rigcal_real G[G_DEGREE + 1],
     }
 }
 
-/* The least N / D can be, if N is at least `low` and D > 0 lies between its bounds. */
+/* The least possible N / D, if N is at least `low` and D > 0 lies between its bounds. */
 RC_APART static rigcal_real least_quotient(rigcal_real low, const rigcal_real D[2])
 {
     return low / ((low > 0) ? D[1] : D[0]);

@@ -17,10 +17,10 @@
 /* part of D: if Newton's H needs more damping, J^T J takes its place. */
 #define DAMPING_NEWTON RC(10)
 
-/* factor: on the damping, after a step that did harm. */
+/* factor: multiplies the damping after a step that did harm. */
 #define DAMPING_MORE RC(10)
 
-/* factor: on the damping, after a step that helped. */
+/* factor: multiplies the damping after a step that helped. */
 #define DAMPING_LESS RC(0.1)
 
 /* part of the sum: a rise up to this may be rounding. */

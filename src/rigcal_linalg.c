@@ -6,8 +6,8 @@
  * pairs add up to this. If the sum is less, the points are on a line to rounding. */
 #define LINE_THICKNESS RC_TOL(1e-12, 1e-7)
 
-/* squarings: of a matrix, an even number. They raise the ratios of its eigenvalues to the
- * power 64. */
+/* squarings: a matrix is squared this many times, an even number. This raises the ratios of
+ * its eigenvalues to the power 64. */
 enum { SQUARINGS = 6 };
 
 /* part of the largest of its block: the least element of D. So damping acts even where

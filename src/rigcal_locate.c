@@ -121,7 +121,8 @@ static void go_on(rigcal_point_solver *p)
     if (p->search.status < 0) {
         end(p, (p->search.status == RIGCAL_ERR_DEGENERATE) ? RIGCAL_ERR_PARALLEL
                                                            : p->search.status);
-    } else if (p->is_stale) {
+    } else if (p->is_stale) { /* anew where the search ends */
+        p->is_tried = 0;
         begin_equations(p);
     } else {
         begin_covariance(p);

@@ -8,11 +8,11 @@
 /* 1: exp(x / 256) comes from a series and is squared eight times. A power of 2. */
 enum { EXP_PARTS = 256 };
 
-/* terms: of the series of exp, for x / 256 within 0.32. The next one is below 3e-12 (float:
- * 1e-7). */
+/* terms: the length of the series of exp, for x / 256 within 0.32. The next one is below
+ * 3e-12 (float: 1e-7). */
 enum { EXP_TERMS = RIGCAL_USE_FLOAT ? 6 : 9 };
 
-/* terms: of the series of log. The next one is below a tenth of a rounding. */
+/* terms: the length of the series of log. The next term is below a tenth of a rounding. */
 enum { LOG_TERMS = RIGCAL_USE_FLOAT ? 5 : 11 };
 
 /* ---- facts --------------------------------------------------------------- */

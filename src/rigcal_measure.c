@@ -7,13 +7,14 @@
 /* standard deviations: a normal variable exceeds this once in a hundred times. */
 #define DEVIATIONS RC(2.326)
 
-/* chi squared of 2: it exceeds this once in a hundred times. A view below it agrees. */
+/* chi squared with 2 degrees of freedom: it exceeds this once in a hundred times. A view
+ * below it agrees. */
 #define AGREES RC(9.21)
 
 /* views: every pair is tried if there are no more than this. */
 enum { ALL_PAIRS = 16 };
 
-/* reals: that a ranked pair takes: its parallax and its two views. */
+/* reals: the memory of a ranked pair: its parallax and its two views. */
 enum { PAIR_REALS = 3 };
 
 /* ---- memory -------------------------------------------------------------- */

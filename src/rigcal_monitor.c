@@ -32,7 +32,8 @@
  * poses along until it is noticed. */
 #define WRONG_LEAST RC(1e-5)
 
-/* part of the matches: the most that may be wrong. With more no match tells anything. */
+/* part of the matches: the most that may be wrong. With more, matches carry no
+ * information. */
 #define WRONG_MOST RC(0.9)
 
 /* rad: default of the largest move, 3 degrees. After such a move one frame of rows brings

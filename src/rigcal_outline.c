@@ -22,13 +22,13 @@
 /* rows: a longer arc is divided if no polynomial in v fits it. */
 #define PART_ROWS RC(16)
 
-/* parts: into which such an arc is divided. */
+/* parts: such an arc is divided into this many. */
 enum { PARTS = 4 };
 
 /* arcs: none is divided if there are more. */
 enum { ARCS_TO_PART = RIGCAL_SPANS_ARCS / 2 };
 
-/* steps: of Newton's method for a crossing, usually 2. */
+/* steps: the most of Newton's method for a crossing, usually 2. */
 enum { CROSSING_STEPS = 24 };
 
 enum { NODES = RIGCAL_SPANS_NODES, LAST = NODES - 1 };
@@ -288,8 +288,9 @@ static void see_change(rigcal_outline *outline, rigcal_real v)
     outline->changes = rc_min(outline->changes, v);
 }
 
-/* Finds the arcs that cross the row. They stay the same up to the row `changes`. No active
- * arc begins below the row: if the row is above the last one, all are found anew. */
+/* Finds the arcs that cross the row. They stay the same up to the row `changes`. If the row
+ * is above the last one, all arcs are found anew, so that no active arc begins below the
+ * row. */
 static void go_to_row(rigcal_outline *outline, int32_t row)
 {
     const rigcal_real v = (rigcal_real)row;

@@ -331,8 +331,8 @@ RC_APART_FAST static int write_pose(rigcal_transform *cam_from_points, const rig
     return 1;
 }
 
-/* Finds the lines on which the solutions lie, at most two by two, and a conic that crosses
- * them there. The second line is kept. Returns 0 if there are none. */
+/* Finds the two lines on which the solutions lie, at most two on each, and a conic that
+ * crosses the lines there. Keeps the second line. Returns 0 if there are no lines. */
 RC_APART_FAST static int find_lines(rigcal_real first[3], rigcal_p3p *P)
 {
     rigcal_real *const conic = P->work.conic;

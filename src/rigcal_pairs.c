@@ -20,8 +20,8 @@ enum { ALL_PAIRS_UP_TO = 9 };
 /* pairs: each point has this many, if there are more than ALL_PAIRS_UP_TO points. */
 enum { PARTNERS = 4 };
 
-/* rounds: in which those pairs are chosen: 4, and as many again because pairs may be left
- * out. */
+/* rounds: those pairs are chosen in at most this many: 4, and as many again because pairs
+ * may be left out. */
 enum { ROUNDS_MAX = 8 };
 
 /* 1: how far the square of a unit vector may be from 1. It allows for a vector that was
@@ -185,7 +185,7 @@ static rigcal_status check_rays_shape(rigcal_real *extent, const rigcal_bearing 
     return (height > FLAT * *extent + SAME) ? RIGCAL_OK : RIGCAL_ERR_EDGE_ON;
 }
 
-/* A choice has at least so many pairs. */
+/* A choice has at least this many pairs, one for each unknown angle. */
 enum { PAIRS_LEAST = 3 };
 
 /* The first pairs wait until there are enough of them: a call that fails writes nothing. */

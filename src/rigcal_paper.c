@@ -5,10 +5,11 @@
 
 /* ---- constants ----------------------------------------------------------- */
 
-/* nodes: of the grid in the first angle, over half a turn, none of them on the axes. */
+/* nodes: the size of the grid in the first angle, over half a turn. No node is on an
+ * axis. */
 enum { GRID_FIRST = 6 };
 
-/* nodes: of the grid in the second angle, over a whole turn. */
+/* nodes: the size of the grid in the second angle, over a whole turn. */
 enum { GRID_SECOND = 12 };
 
 /* rad: distance between nodes of the grid. A coarser grid misses basins. */

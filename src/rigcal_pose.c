@@ -9,7 +9,7 @@ enum { REFINE_EVALS = 100 };
 /* rad: two optima count as one if their rotations are nearer than this. */
 #define SAME_POSE RC(2e-3)
 
-/* rad: the same for three points. Their poses are exact even when two are about to
+/* rad: SAME_POSE for three points. Their poses are exact even when two are about to
  * merge. */
 #define SAME_EXACT RC_TOL(1e-6, 1e-3)
 
@@ -20,7 +20,7 @@ enum { REFINE_EVALS = 100 };
 /* px: if no noise is stated, a search believes in no more noise than this. */
 #define NOISE_MOST RC(2)
 
-/* px: the same for a warm start, which may have ended elsewhere than at the pose. */
+/* px: NOISE_MOST for a warm start, which may have ended elsewhere than at the pose. */
 #define NOISE_WARM RC(0.55)
 
 /* part of the target's image: if this is more than NOISE_MOST or NOISE_WARM, it is used
@@ -31,14 +31,14 @@ enum { REFINE_EVALS = 100 };
  * million fits. */
 #define DEVIATIONS RC(4.75)
 
-/* standard deviations: the same for a warm start. Noise alone exceeds it once in a thousand
- * fits. Then a search runs, which only costs time. */
+/* standard deviations: DEVIATIONS for a warm start. Noise alone exceeds it once in a
+ * thousand fits. Then a search runs, which only costs time. */
 #define DEVIATIONS_WARM RC(3.1)
 
 /* px: mirrored points are suspected only if the error is above this noise. */
 #define MIRROR_NOISE RC(0.1)
 
-/* odds: mirrored points are believed only if they are so many times as likely. */
+/* odds: mirrored points are believed only if they are this many times as likely. */
 #define MIRROR_ODDS RC(100)
 
 /* rad: if the standard deviation of the rotation is larger than this, the points hardly fix
@@ -240,8 +240,8 @@ static void seeding_step(rigcal_pose_solver *s)
 }
 
 /* Ends a warm start. If it ended elsewhere than at the pose, its error shows that. If
- * hardly any data support it, it is dropped too: the search tells what is wrong with the
- * data. */
+ * hardly any data support it, it is dropped too: the status of the search then names what
+ * is wrong with the data. */
 static void end_warm(rigcal_pose_solver *s)
 {
     rigcal_optima *const optima = &s->search.optima;

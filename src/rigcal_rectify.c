@@ -2,8 +2,8 @@
 
 /* ---- constants ----------------------------------------------------------- */
 
-/* sine: of the least angle between the baseline and the optical axes, 10 degrees. Below it,
- * the aligned images would be little but stretched pixels. */
+/* sine: the least angle between the baseline and the optical axes is 10 degrees. Below it,
+ * the aligned images would consist mostly of stretched pixels. */
 #define AXIS_SINE_MIN RC(0.1736)
 
 /* The rows x, y, z of aligned_from_a are unit vectors in frame a. x is along the baseline,

@@ -138,7 +138,8 @@ RIGCAL_FORCE_INLINE static inline rigcal_status go_through(
     const rigcal_camera *const camera = points->view.camera;
     const rigcal_real fx = camera->fx, fy = camera->fy;
     rigcal_real total = 0;
-    size_t more = 0; /* every other stride is longer, lest it be a row of a grid */
+    size_t more = 0; /* every other stride is longer, so that a pass does not follow a row
+                        of a grid */
     for (size_t i = rc_points_next(points, 0); i < pass->n;
          i = rc_points_next(points, i + pass->stride + more)) {
         const rigcal_real *const uv = points->view.observations[i].uv;

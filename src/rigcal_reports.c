@@ -166,8 +166,8 @@ static rigcal_real worst_of(rigcal_real direction[6], const rigcal_real Sigma[36
     return RC_SQRT(rc_max(variance, 0) * trace);
 }
 
-/* For the frame weakest_sigma is 0: its own pose is exact. The report does not tell how
- * well other bodies are known against it. */
+/* For the frame weakest_sigma is 0: its own pose is exact. The report does not say how well
+ * other bodies are known relative to it. */
 rigcal_status rigcal_monitor_body(rigcal_body_report *report, const rigcal_real monitor[],
                                   size_t body)
 {

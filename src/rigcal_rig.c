@@ -119,8 +119,8 @@ rigcal_status rigcal_rig_adjust(rigcal_rig_fit *fit, int32_t *at_fault, rigcal_r
 
 /* ---- how sure ------------------------------------------------------------ */
 
-/* Checks the arguments of a function that tells how sure a pose is. *parts says where the
- * parts of rig->work begin. */
+/* Checks the arguments of a function that computes the covariance of a pose. *parts says
+ * where the parts of rig->work begin. */
 static rigcal_status check_sure(const rigcal_real *Sigma, const rigcal_rig *rig,
                                 rigcal_real sigma_px, size_t camera, rc_rig_parts *parts)
 {

@@ -11,8 +11,8 @@
  * agree by chance. */
 enum { POINTS_LEAST = 5 };
 
-/* samples: the default. If nine in ten of many points are wrong, so many samples miss every
- * clean one with a chance of 1e-3, by USEFUL_PART. */
+/* samples: the default. If nine in ten of many points are wrong, this many samples miss
+ * every clean one with a chance of 1e-3, by USEFUL_PART. */
 enum { SAMPLES = 10000 };
 
 /* samples: more are a mistake. */
@@ -42,13 +42,13 @@ enum { IMPROVED_LEAST = 5 };
  * find others that agree with it. */
 enum { SURE_LEAST = 6 };
 
-/* evaluations: a best pose is improved by so many, over the points that agree. */
+/* evaluations: a best pose is improved by this many, over the points that agree. */
 enum { IMPROVE_EVALS = 3 };
 
-/* times: a best pose is improved at most so often, while it gets better. */
+/* times: a best pose is improved at most this often, while it gets better. */
 enum { IMPROVE_ROUNDS = 4 };
 
-/* times: the points that agree are decided anew at most so often, by the pose of the last
+/* times: the points that agree are chosen again at most this often, by the pose of the last
  * ones. */
 enum { ROUNDS = 8 };
 
@@ -69,7 +69,7 @@ enum { ROUNDS = 8 };
 /* part: a smaller misfit counts as this. Noise and the wrong pixels make as much. */
 #define MISFIT_LEAST RC(0.1)
 
-/* poses expected by chance: from this on there is no pose. */
+/* poses expected by chance: with this number or more, no pose is returned. */
 #define CHANCE_MOST RC(0.3)
 
 enum {

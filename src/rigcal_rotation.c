@@ -14,7 +14,7 @@
  * more. */
 #define SINGULAR_DET (64 * RC_EPS)
 
-/* iterations: to find the nearest rotation, usually 4 to 8. */
+/* iterations: the most to find the nearest rotation, usually 4 to 8. */
 enum { POLAR_ITERATIONS_MAX = 40 };
 
 /* 1: the iteration ends if no element changes more. It converges quadratically: the next

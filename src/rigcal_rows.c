@@ -157,7 +157,8 @@ static void derive(rc_row *row, rigcal_real by, const rigcal_transform *b,
 
 /* (M1) The constraint is e = m_b . (t x R m_a), with b_from_a = (R, t). r = -e / s, and s^2
  * is the variance of e. (M2), (M3) h is taken at the corrected match. At the noisy one h
- * would be -r / |base| along the base, although a match tells nothing of its length. */
+ * would be -r / |base| along the base, although a match contains no information on its
+ * length. */
 static rigcal_status match_row(rc_row *row, const rc_seen *seen, const rigcal_transform *a,
                                const rigcal_transform *b)
 {

@@ -8,7 +8,7 @@ enum { LATTICE = 24 };
 /* rad: first edge of a descent's simplex, about half the lattice's spacing. */
 #define EDGE RC(0.3)
 
-/* evaluations: of a descent. It only has to land where refinement converges. */
+/* evaluations: a descent takes this many. It only has to end where refinement converges. */
 enum { DESCENT_EVALS = 10 };
 
 /* part (rc_sym3_thinnest): a thinner target has a second optimum, which leans the other
@@ -33,7 +33,7 @@ enum { DESCENT_EVALS = 10 };
 /* rad: with less lean a flat target is seen head-on, and it may lean any way. */
 #define HEAD_ON RC_TOL(1e-6, 1e-3)
 
-/* rad: a seed so near to a known optimum would lead to it. */
+/* rad: a seed this near to a known optimum would lead to it. */
 #define SAME_BASIN RC(0.05)
 
 /* sizes of the target: points that are nearer to each other count as one. */
@@ -43,7 +43,7 @@ enum { DESCENT_EVALS = 10 };
  * same direction, they are not refined. */
 #define MIRROR_WORSE RC(10)
 
-/* rays: of a pinhole camera, in one step. They cost nearly nothing. */
+/* rays: the most of a pinhole camera in one step. They cost nearly nothing. */
 enum { PINHOLE_RAYS = 16 };
 
 /* cosine of 80 degrees: rays farther off the middle of the target's image do not fit the

@@ -2,15 +2,15 @@
 
 /* ---- constants ----------------------------------------------------------- */
 
-/* squared sine: of 0.6 degrees. A point so near to the ray that was seen needs no proof
- * that the lens sees it: the lens images this ray. */
+/* squared sine: the angle is 0.6 degrees. A point this near to the ray that was seen needs
+ * no proof that the lens sees it: the lens images this ray. */
 #define NEAR_RAY RC(1e-4)
 
 /* squared distance in a lens's plane: 0.1 px of a usual camera. The Newton step from there
  * ends the search for a ray. Its error is then 1e-6 px. */
 #define RAY_NEAR RC(1e-8)
 
-/* steps: of the search for a ray, usually 2 or 3. */
+/* steps: the most of the search for a ray, usually 2 or 3. */
 enum { RAY_STEPS = 3 };
 
 /* ---- a ray --------------------------------------------------------------- */

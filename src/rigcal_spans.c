@@ -18,7 +18,7 @@
 /* part of the radius of the image: length of the shortest arc, a few pixels. */
 #define ARC_LEAST RC(0.01)
 
-/* tangent: of the largest angle of an arc, 45 degrees. */
+/* tangent: the largest angle of an arc is 45 degrees. */
 #define STRIDE_MOST RC(1)
 
 /* 1: a border is followed until its distance from the axis is this many times that of the

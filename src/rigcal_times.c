@@ -10,13 +10,14 @@
  * It is less than two because a curve through a gap is not known well enough. */
 #define STEP_LONGEST RC(1.6)
 
-/* part of a frame: the times tell nothing about clocks if their rounding is larger. */
+/* part of a frame: the times contain no information on clocks if their rounding is
+ * larger. */
 #define ROUNDING_MOST RC(0.001)
 
 /* frames: the largest offset of a clock. Frame numbers then fit an int32_t. */
 #define FRAMES_MOST RC(1e6)
 
-/* halvings: to find the median step. It is then exact to float's rounding. */
+/* halvings: the median step is found by this many. It is then exact to float's rounding. */
 enum { HALVINGS = 24 };
 
 /* ---- what is handed in --------------------------------------------------- */

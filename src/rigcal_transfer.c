@@ -4,8 +4,8 @@
 
 /* ---- constants ----------------------------------------------------------- */
 
-/* steps: of Gauss-Newton for a point, from the middle between two rays. The third is below
- * rounding. */
+/* steps: Gauss-Newton for a point takes this many, from the middle between two rays. The
+ * third is below rounding. */
 enum { STEPS = 3 };
 
 /* part of an element of the diagonal: a smaller pivot is rounding. */

@@ -2,8 +2,8 @@
 
 /* ---- constants ----------------------------------------------------------- */
 
-/* steps: to the mean of rotations, usually 2 or 3. It bounds the worst case, which the
- * manual states. */
+/* steps: the most to the mean of rotations, usually 2 or 3. It bounds the worst case, which
+ * the manual states. */
 enum { KARCHER_MAX = 20 };
 
 /* rad: the steps end if one turns no more than this, which is rounding. */
@@ -163,7 +163,7 @@ static rigcal_status mean_rotation(rigcal_real R[9], const rigcal_transform tran
             break;
         }
     }
-    (void)rc_rotation_nearest(R, mean); /* but for rounding it is one */
+    (void)rc_rotation_nearest(R, mean); /* it is a rotation except for rounding */
     return RIGCAL_OK;
 }
 

@@ -11,10 +11,10 @@ enum { DIGITS_MOST = 9 };
 /* 1: larger numbers are printed as this one. */
 #define NUMBER_MOST RC(999999999)
 
-/* degrees: in a radian. */
+/* degrees: one radian has this many. */
 #define DEGREES (180 / RC_PI)
 
-/* percent: in a whole. */
+/* percent: a whole has this many. */
 #define PERCENT RC(100)
 
 /* millionths in a whole: drifts are written in this unit. */
@@ -235,7 +235,7 @@ static void put_clocks(writer *w)
     }
 }
 
-/* Writes the size of a fault. It has no sign if the words tell the direction. */
+/* Writes the size of a fault. It has no sign if the words state the direction. */
 static void put_size(writer *w)
 {
     const rigcal_fault *const f = w->fault;
@@ -537,7 +537,7 @@ rigcal_status rigcal_faults_text(char text[], size_t capacity, size_t *n_needed,
         text[w.whole] = 0;
     }
     if (n_needed != NULL) {
-        *n_needed = w.n; /* without the last space, with a 0 */
+        *n_needed = w.n; /* the last space becomes the final 0 */
     }
     return (w.n <= capacity) ? RIGCAL_OK : RIGCAL_ERR_CAPACITY;
 }

@@ -5,8 +5,8 @@
 /* s: the longest time between the ends of two frames. */
 #define SECONDS_MOST RC(1e6)
 
-/* frames: for which an opened body's pose changes after each row. A row is not linear over
- * degrees. */
+/* frames: in this many, an opened body's pose changes after each row. A row is not linear
+ * over degrees. */
 enum { SETTLING = 10 };
 
 /* ---- the end of a frame ------------------------------------------------------ */
@@ -27,7 +27,7 @@ static void walk(const rc_monitor *m, rigcal_real seconds)
     rc_filter_factor(f->UD, f->n);
 }
 
-/* (M14) Weighs the frame, and raises the alarm if the evidence suffices. */
+/* (A5) Weighs the frame, and raises the alarm if the evidence suffices. */
 static void weigh(rc_monitor *m)
 {
     rc_monitor_head *const head = &m->top.head;

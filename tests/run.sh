@@ -5,11 +5,11 @@
 #   sh tests/run.sh STEP...    runs only the steps named (first column below), and
 #                              installs only what these need
 #
-# One line a step, when it ends; the log of each is build/logs/STEP.log. Two steps run at a
-# time on two cores, at most four on more: RIGCAL_LANES says how many, if not so.
+# Prints one line for each step when it ends. Its log is build/logs/STEP.log. On two cores
+# two steps run at a time, on more at most four. RIGCAL_LANES sets another number.
 
-# The step, what it needs (see want_need), and its command. They begin in this order. Of
-# steps that need the same folder, build/NAME, one runs at a time.
+# The step, what it needs (see want_need), and its command. They begin in this order. Steps
+# that need the same folder, build/NAME, run one after the other.
 steps='
 gcc-double    gcc,cmake,unity,build/gcc-double
               preset gcc-double
@@ -108,7 +108,7 @@ shell         nothing                      sh tests/checks/check_shell.sh
 words         nothing                      sh tests/checks/check_words.sh
 '
 
-# What a need is: Debian's packages, each with a command that succeeds when it is there.
+# The needs: Debian packages, each with a command that succeeds if the package is there.
 want_need() {
     case $1 in
     gcc)
@@ -186,7 +186,7 @@ cd "$(dirname "$0")/.." || exit 1
 . tests/support/packages.sh
 . tests/support/lanes.sh
 
-# One line a step.
+# Puts each step on one line.
 steps=$(echo "$steps" | awk '/^[^ ]/ {printf "%s%s", n++ ? "\n" : "", $0}
                             /^ / {printf "%s", $0}
                             END {print ""}')
@@ -225,7 +225,7 @@ if [ ! -e /proc/self/maps ]; then
         echo "It cannot be mounted: steps that need it will fail." >&2
 fi
 
-# Unity comes from Debian's sources; where it cannot, CMake clones upstream's.
+# Unity comes from Debian's sources. If that fails, CMake clones the original.
 case " $(echo "$needs" | tr '\n' ' ')" in
 *" unity "*)
     sh tests/support/get_unity.sh \
@@ -249,14 +249,14 @@ fi
 mkdir -p build/logs && state=$(mktemp -d) || exit 1
 trap 'rm -rf "$state"' EXIT
 
-# Steps run side by side, in lanes: most steps use one core for a good part of their time.
+# Steps run side by side, in lanes, because most steps use only one core much of the time.
 cores=$(nproc 2>/dev/null || echo 2)
 most=${RIGCAL_LANES:-$((cores < 4 ? cores : 4))}
 count=$(echo "$asked" | wc -w)
 lanes=$((count < most ? count : most))
 jobs=$(((cores + lanes - 1) / lanes))
 export CMAKE_BUILD_PARALLEL_LEVEL="$jobs" CTEST_PARALLEL_LEVEL="$jobs"
-# Steps look at and copy the sources, among which nothing is to appear.
+# Steps read and copy the sources, so no new files may appear among them.
 export PYTHONDONTWRITEBYTECODE=1
 
 echo "$steps" | awk -v asked=" $asked " 'index(asked, " " $1 " ")' >"$state/steps"

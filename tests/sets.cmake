@@ -5,7 +5,7 @@
 #   target   those that a target may change though another of its kind passes: the layout
 #            of types, the order of bytes, rounding, the C library's functions, deep stacks
 #   large    target, and those that 32 KB of RAM are too little for
-#   one      one test: the build is what is tried
+#   one one test: only the build is tested
 #
 # Every layer runs on a target of each kind:
 #
@@ -20,8 +20,8 @@ set_property(CACHE RIGCAL_TEST_SET PROPERTY STRINGS all target large one)
 
 set(one about)
 
-# Two rigs of 80 views take 128 KB, the rays of an image and all windows of an alarm more
-# than 256 KB. The arguments of all functions are more than 16 KB with the stack.
+# Two rigs of 80 views take 128 KB. The rays of an image and all windows of an alarm take
+# more than 256 KB. The arguments of all functions, with the stack, take more than 16 KB.
 set(wants_256k cost judge cause outline spans match alarm border)
 set(wants_32k hostile)
 
@@ -31,11 +31,11 @@ set(target
     pose adjust rig verdict)             # deep stacks, all layers below
 set(large ${target} ${wants_32k} ${wants_256k})
 
-# What a build cannot have, or what another has seen.
+# Tests that a build cannot have, or that another build has.
 set(left_out)
 if(CMAKE_CROSSCOMPILING)
     list(APPEND left_out p3p_data judge_data) # read files
-    list(APPEND left_out bounds)              # the same counts as of a host
+    list(APPEND left_out bounds)              # the counts are those of the host
     if(RIGCAL_BARE_RAM LESS 0x8000)
         list(APPEND left_out ${wants_32k})
     endif()
@@ -44,17 +44,18 @@ if(CMAKE_CROSSCOMPILING)
     endif()
 endif()
 if(RIGCAL_CONFIG_FILE)
-    list(APPEND left_out bounds small) # have config headers of their own
+    list(APPEND left_out bounds small) # they have config headers of their own
 endif()
 if(RIGCAL_COVERAGE)
-    list(APPEND left_out bounds small) # run sources compiled again, which count nothing
+    list(APPEND left_out bounds small) # they compile sources again, and count nothing
 endif()
 if(RIGCAL_SANITIZE AND RIGCAL_REAL STREQUAL "float")
-    list(APPEND left_out bounds small) # the build in double is sanitized with both
+    list(APPEND left_out bounds small) # the build in double has both sanitizers
 endif()
 if(CMAKE_SYSTEM_PROCESSOR STREQUAL "mips" OR
    (CMAKE_CROSSCOMPILING AND RIGCAL_REAL STREQUAL "double"))
-    list(APPEND left_out small) # what is left out is so on the host and on the Cortexes
+    list(APPEND left_out small) # what is left out is the same on the host and on the Cortex
+                                # cores
 endif()
 
 foreach(set one target large)
@@ -73,4 +74,5 @@ if(NOT RIGCAL_TEST_SET STREQUAL "all")
     set(RIGCAL_TESTS ${${RIGCAL_TEST_SET}})
     set(regressions)
 endif()
-list(REMOVE_ITEM RIGCAL_TESTS ${left_out} "") # no empty list, before CMake 3.20
+list(REMOVE_ITEM RIGCAL_TESTS ${left_out} "") # CMake before 3.20 does not accept an empty
+                                              # list

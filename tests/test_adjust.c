@@ -21,7 +21,7 @@ static void adjust(rigcal_rig_fit *fit, test_rig *which)
     TEST_ASSERT_EQUAL_INT32(-1, at_fault);
 }
 
-/* The largest turn and shift of all poses from those of `truth`. */
+/* The largest turn and shift of any pose away from `truth`. */
 static void furthest(double *turn, double *shift, const test_rig *from,
                      const rigcal_transform cams[], const rigcal_transform places[])
 {
@@ -42,7 +42,7 @@ static void furthest(double *turn, double *shift, const test_rig *from,
 
 static rigcal_real spreads[RIG_VIEW_ROWS][RIG_POINT_ROWS];
 
-/* The rig of the vectors, camera 1 where it was bumped to, if told. */
+/* The rig of the vectors. `bumped`: camera 1 is where it was bumped to. */
 static void rig_of_vectors(int bumped)
 {
     memset(&r, 0, sizeof r);
@@ -80,7 +80,7 @@ static void rig_of_vectors(int bumped)
                          .work_capacity = RIG_WORK};
 }
 
-/* Each element to a part of sqrt(Sigma_ii Sigma_jj). */
+/* Each element is compared to a part of sqrt(Sigma_ii Sigma_jj). */
 static void assert_covariance(const double expected[36], const rigcal_real seen[36],
                               double part)
 {
@@ -174,8 +174,8 @@ static void test_one_camera_is_solved_again_with_the_others_held(void)
     ASSERT_NEAR(2 * 8 * 14 - 6 - 30, fit.freedom, 0);
 }
 
-/* RIG takes the derivative of the deviation from a prior as -1, which is off by half the
- * deviation: some 1e-3 of the angle that the priors are off. */
+/* RIG uses -1 for the derivative of the deviation from a prior. This is wrong by half the
+ * deviation: some 1e-3 of the error of the priors' angles. */
 static void test_what_is_known_beforehand_counts_by_its_covariance(void)
 {
     static const uint8_t ROLES[3] = {RIGCAL_CAMERA_FREE, RIGCAL_CAMERA_PRIOR,
@@ -260,7 +260,7 @@ static void test_the_budget_changes_no_bit(void)
     }
 }
 
-/* A unit is one view, one row or one slot: a rig that converges has so many of them. */
+/* A unit is one view, one row or one slot. A rig that converges takes this many. */
 static void test_a_step_is_small(void)
 {
     test_rng rng = test_seed(322);
@@ -303,7 +303,7 @@ static void test_exact_pixels_give_the_truth_from_bad_starts(void)
     }
 }
 
-/* From a turn of 0.1 rad the answer is that from the truth. */
+/* From a start that is wrong by 0.1 rad the answer is the same as from the truth. */
 static void test_bad_starts_end_in_the_same_minimum(void)
 {
     test_rng rng = test_seed(324);
@@ -331,8 +331,8 @@ static int compare(const void *a, const void *b)
     return *(const int32_t *)a - *(const int32_t *)b;
 }
 
-/* A search that ends with a damped step makes its equations once more, for the covariance
- * is of undamped ones. */
+/* After a search that ends with a damped step, the equations are made once more, because
+ * the covariance is that of undamped ones. */
 static void test_a_search_ends_with_equations_that_are_not_damped(void)
 {
     test_rng rng = test_seed(325);
@@ -355,7 +355,7 @@ static void test_a_search_ends_with_equations_that_are_not_damped(void)
         TEST_ASSERT_TRUE(!(solver.search.lambda > 0));
         n_final += solver.is_final;
         ASSERT_STATUS(RIGCAL_OK, rigcal_rig_covariance(first, &r.rig, 1, 2));
-        adjust(&fit, &r); /* from the minimum: nothing is damped */
+        adjust(&fit, &r); /* starts in the minimum: nothing is damped */
         ASSERT_STATUS(RIGCAL_OK, rigcal_rig_covariance(again, &r.rig, 1, 2));
         test_to_double(expected, again, 36);
         assert_covariance(expected, first, TOL(1e-4, 1e-2));
@@ -398,8 +398,8 @@ static int is_inside(const rigcal_transform *seen, const rigcal_transform *truth
     return *chi2 < 12.5916; /* 95 % of chi square of 6 */
 }
 
-/* Of 2000 rigs three standard errors of 95 % are 1.5 %, of the root of the mean of chi
- * square / 6 2 %, of the mean of F 1.7 %. */
+/* With 2000 rigs three standard errors are: 1.5 % of 95 %; 2 % of the root of the mean of
+ * chi square / 6; 1.7 % of the mean of F. */
 static void test_sigmas_and_the_loop_closure_say_what_noise_does(void)
 {
     enum { RIGS = 2000 };
@@ -437,7 +437,7 @@ static void test_sigmas_and_the_loop_closure_say_what_noise_does(void)
     ASSERT_NEAR(d2 / (d2 - 2), mean, 0.02);
 }
 
-/* A pair is the same whichever camera is held. */
+/* The relative pose of two cameras is the same whichever camera is held. */
 static void test_a_pair_does_not_depend_on_which_camera_is_held(void)
 {
     test_rng rng = test_seed(327);
@@ -493,8 +493,8 @@ static void test_residuals_are_observed_less_projected(void)
     ASSERT_NEAR(sum, fit.sum, TOL(1e-8, 1e-3) * sum);
 }
 
-/* All points of placement 1 are one point, twelve numbers of it or more: nothing tells how
- * it is turned. */
+/* All points of placement 1 are one point, seen by six views or more: nothing shows how the
+ * placement is turned. */
 static void test_a_placement_that_its_views_do_not_fix_is_degenerate(void)
 {
     test_rng rng = test_seed(329);
@@ -515,8 +515,8 @@ static void test_a_placement_that_its_views_do_not_fix_is_degenerate(void)
     TEST_ASSERT_EQUAL_INT32(3, at_fault);
 }
 
-/* With all evaluations spent a search that has still to gain ends with BUDGET_SPENT, and
- * one that is there does not. */
+/* If all evaluations are spent, a search that could still gain ends with BUDGET_SPENT. A
+ * search that has arrived does not. */
 static void test_the_evaluations_are_bounded(void)
 {
     WANTS_RIGS(1);

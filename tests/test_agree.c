@@ -1,5 +1,5 @@
-/* agree: sums and marks against a projection by the test's own arithmetic; what is expected
- * by chance against draws. */
+/* agree: compares sums and marks with a projection by the test's own arithmetic, and what
+ * is expected by chance with random draws. */
 #include "rc_agree.h"
 
 #include <math.h>
@@ -20,7 +20,7 @@ typedef struct {
     rigcal_points points;
 } problem;
 
-/* Some points are off, one in five by far. */
+/* Some points are wrong, one in five of them by much. */
 static void make(problem *p, test_rng *rng, int with_lens, int with_sigma)
 {
     rigcal_real uv_middle[2];
@@ -45,7 +45,7 @@ static void make(problem *p, test_rng *rng, int with_lens, int with_sigma)
     ASSERT_STATUS(RIGCAL_OK, rc_points_survey(&p->points, uv_middle, &at));
 }
 
-/* The true pose, but for a turn and a shift. */
+/* The true pose with an error of turn and shift. */
 static void pose_near(rigcal_transform *cam_from_points, const problem *p, test_rng *rng,
                       double most)
 {
@@ -117,7 +117,7 @@ static void test_a_point_behind_the_camera_disagrees(void)
 
     make(&p, &rng, 0, 0);
     pose_near(&T, &p, &rng, 0);
-    for (int k = 0; k < 3; k++) { /* all pixels are the same as before */
+    for (int k = 0; k < 3; k++) { /* all pixels are as before */
         T.t[k] = -T.t[k];
     }
     for (int k = 0; k < 9; k++) {
@@ -127,7 +127,7 @@ static void test_a_point_behind_the_camera_disagrees(void)
     ASSERT_NEAR(N * LIMIT, sum, 0);
 }
 
-/* Where a sum is given up it could not have been the least. */
+/* A sum that is given up early cannot have been the least. */
 static void test_to_give_up_early_finds_the_same_best(void)
 {
     test_rng rng = test_seed(3);
@@ -193,9 +193,9 @@ static void test_marks_and_bins_are_those_of_the_distances(void)
 
 /* ---- chance ---------------------------------------------------------------- */
 
-/* Of n points in a square of 100 px all are wrong. Each triple has two poses, at which the
- * others lie anywhere: how many triples and two more points have squared distances of no
- * more than `sum` together? */
+/* All of n points in a square of 100 px are wrong. Each triple has two poses, at which the
+ * other points lie anywhere. Counts the triples with two more points whose squared
+ * distances sum to at most `sum`. */
 static void test_what_is_expected_is_the_mean_of_draws(void)
 {
     enum { POINTS = 8, DRAWS = 4000 };
@@ -209,7 +209,8 @@ static void test_what_is_expected_is_the_mean_of_draws(void)
         double here = 0;
         for (int pose = 0; pose < 2 * 56; pose++) {
             double d2[POINTS - 3];
-            for (int i = 0; i < POINTS - 3; i++) { /* the projection is in the middle */
+            for (int i = 0; i < POINTS - 3; i++) { /* the projection is in the middle of the
+                                                      square */
                 d2[i] = pow(test_uniform(&rng, -side / 2, side / 2), 2) +
                         pow(test_uniform(&rng, -side / 2, side / 2), 2);
                 for (int k = 0; k < i; k++) {
@@ -224,11 +225,11 @@ static void test_what_is_expected_is_the_mean_of_draws(void)
     off.sum[0] = RC(most);
     const double mean = sets / DRAWS, noise = sqrt((squares / DRAWS - mean * mean) / DRAWS);
     const double expected = D(rc_agree_by_chance(&off, POINTS, RC(side * side), 0));
-    /* any of n - 3 numbers of points; Stirling's factorial is 4 % off */
+    /* there are n - 3 possible numbers of points; Stirling's factorial is off by 4 % */
     ASSERT_NEAR((POINTS - 3) * mean, RC(expected), 0.05 * expected + 5 * 5 * noise);
 }
 
-/* Six that are near and four that are not so near: the six alone are the rarer. */
+/* Six points are near and four are not so near. The six alone are less likely by chance. */
 static void test_the_nearest_count_if_they_alone_are_rarer(void)
 {
     rc_agree_histogram off = {{0}, {0}}, near = {{0}, {0}};
@@ -240,7 +241,7 @@ static void test_the_nearest_count_if_they_alone_are_rarer(void)
     off.sum[0] = RC(30);
     const double alone = D(rc_agree_by_chance(&near, 100, area, 0));
     ASSERT_NEAR(alone, rc_agree_by_chance(&off, 100, area, 0), 1e-6 * alone);
-    off.count[0] = 0; /* three are never rare */
+    off.count[0] = 0; /* three points are never unlikely */
     off.count[8] = 3;
     TEST_ASSERT_TRUE(D(rc_agree_by_chance(&off, 100, area, 0)) > 1e30);
 }
@@ -292,8 +293,8 @@ static void test_a_target_in_its_place_has_no_misfit(void)
     memset(&T, 0, sizeof T);
     T.R[0] = T.R[4] = T.R[8] = 1;
     for (int i = 0; i < 4; i++) {
-        o[i].X_w[0] = (i % 2 == 0) ? RC(-0.25) : RC(0.25);
-        o[i].X_w[1] = (i < 2) ? RC(-0.25) : RC(0.25);
+        o[i].X_w[0] = (i == 0) ? RC(-0.375) : (i % 2 == 0) ? RC(-0.25) : RC(0.25);
+        o[i].X_w[1] = (i == 0) ? RC(-0.375) : (i < 2) ? RC(-0.25) : RC(0.25);
         o[i].X_w[2] = 1;
         o[i].uv[0] = 64 + 64 * o[i].X_w[0];
         o[i].uv[1] = 64 + 64 * o[i].X_w[1];
@@ -301,10 +302,12 @@ static void test_a_target_in_its_place_has_no_misfit(void)
     const rigcal_view view = VIEW(&camera, o, NULL, 4);
     rc_points_of(&points, &view, NULL);
     ASSERT_STATUS(RIGCAL_OK, rc_points_survey(&points, uv_middle, &at));
-    T.t[2] = points.origin[2];
+    for (int k = 0; k < 3; k++) {
+        T.t[k] = points.origin[k];
+    }
     ASSERT_NEAR(0, rc_agree_misfit(&points, &T), 0);
-    T.t[0] = RC(0.25); /* half of each box is shared: a third of both */
-    ASSERT_NEAR(2.0 / 3, rc_agree_misfit(&points, &T), 1e-6);
+    T.t[0] += RC(0.25); /* 0.6 of each box, which is 0.625 wide, is shared: of both 3/7 */
+    ASSERT_NEAR(4.0 / 7, rc_agree_misfit(&points, &T), 1e-6);
 }
 
 TEST_MAIN()

@@ -1,5 +1,6 @@
-/* alarm: against determinants and solutions of dense matrices in double, of windows that
- * keep their frames; noise as it may come, moves, what a body does not see, float. */
+/* alarm: compared with determinants and solutions of dense matrices in double, for windows
+ * that store their frames. Also noise of several kinds, moves, bodies that see nothing, and
+ * float. */
 #include <math.h>
 #include <string.h>
 
@@ -23,8 +24,8 @@ typedef struct {
     size_t body[2];
 } row;
 
-/* A row between two bodies: some hundred standard deviations a radian, and a direction that
- * is seen badly. */
+/* A row between two bodies. It shows some hundred standard deviations for a radian, and one
+ * direction badly. */
 static row row_of(test_rng *rng, double noise)
 {
     row r;
@@ -45,7 +46,7 @@ static rigcal_real share_of(size_t body)
     return rc_alarm_share(bodies, body, rc_alarm_log_sum(&alarm, bodies));
 }
 
-/* The body's move d is seen from now on. */
+/* From now on the body's move d is in the rows. */
 static void shift(row *r, size_t body, const double d[6])
 {
     for (int side = 0; side < 2; side++) {
@@ -68,7 +69,8 @@ static void begin(double common)
     rc_alarm_begin(&alarm, bodies, BODIES, RC(ARL0), RC(common), RC(MOVE_RAD), RC(MOVE_T));
 }
 
-/* Frames of n rows. The evidence of the last; *most is that of all. */
+/* Runs frames of n rows. Returns the evidence of the last one; *most is the largest of
+ * all. */
 static double run(double *most, test_rng *rng, int frames, int n, double noise)
 {
     double evidence = 0;
@@ -176,7 +178,7 @@ static void feed_reference(const row *r)
     }
 }
 
-/* The frame in a window; log Lambda. */
+/* Adds a frame to a window. Returns log Lambda. */
 static double add_frame(window *w, const dense *d, double common)
 {
     double A[6][6], square;
@@ -193,8 +195,9 @@ static double add_frame(window *w, const dense *d, double common)
     return (log_W - log_A + square) / 2;
 }
 
-/* A body's part of the sum: of its windows whose rows are 1.5 times the square of the log
- * that they must reach, or more, and of the longest; of that alone before M is measured. */
+/* A body's part of the sum. Windows count whose rows are 1.5 times the square of the log
+ * that they must reach, or more; the longest one always counts. Before M is measured it
+ * alone counts. */
 static double end_reference_body(dense *d, double common)
 {
     double sum = 0, n = 0;
@@ -213,7 +216,7 @@ static double end_reference_body(dense *d, double common)
     return sum / n * (1 + 5 / pow(d->measured ? fmax(rows, 2.5) : 2.5, 2));
 }
 
-/* The windows of a body after a frame. 1: its M was measured. */
+/* Starts the windows of a body that end with a frame. Returns 1 if its M was measured. */
 static int restart_reference(dense *d, int may_measure)
 {
     if (may_measure && (d->since >= 4 * d->measured || d->since >= 256)) {
@@ -256,7 +259,7 @@ static double end_reference(double share[BODIES], double common)
 
 /* ---- tests ------------------------------------------------------------------ */
 
-/* The least eigenvalue of the first block of A, by the cubic it is a root of. */
+/* The least eigenvalue of the first block of A, as a root of its cubic. */
 static double least_eigenvalue(double A[6][6])
 {
     const double q = (A[0][0] + A[1][1] + A[2][2]) / 3;
@@ -270,8 +273,8 @@ static double least_eigenvalue(double A[6][6])
     return q + 2 * p * cos(angle + 2 * TEST_PI / 3);
 }
 
-/* Two runs of frames of n rows with an answer between, which ends all windows at once; from
- * which on they are compared. */
+/* Compares two runs of frames of n rows. An answer between the runs ends all windows at
+ * once. */
 static void compare(double common, double size, int n, int from, uint64_t seed)
 {
     test_rng rng = test_seed(seed);
@@ -324,21 +327,21 @@ static void test_the_evidence_is_that_of_dense_determinants(void)
     compare(1, 1, 8, 0, 3);
 }
 
-/* So many that a frame by itself may raise the alarm: all windows count. */
+/* With this many rows one frame alone may raise the alarm, so all windows count. */
 static void test_the_evidence_is_right_where_a_frame_has_many_rows(void)
 {
     TEST_ON_HOST_ONLY("225000 rows");
     compare(0.5, 1, 250, 0, 11);
 }
 
-/* Rows that say two thousand times as much: the determinants are beyond float. Before M is
- * measured float cannot hold the 1 of W beside H. */
+/* Rows with two thousand times the information: the determinants are beyond the range of
+ * float. Before M is measured, float cannot hold the 1 of W beside H. */
 static void test_the_evidence_is_right_where_rows_say_very_much(void)
 {
     compare(0.5, 2000, 8, 20, 4);
 }
 
-/* exp(900) is beyond double, exp(90) beyond float. */
+/* exp(900) is beyond the range of double, exp(90) beyond that of float. */
 static void test_evidence_beyond_all_exponents_is_a_number(void)
 {
     test_rng rng = test_seed(4);
@@ -362,8 +365,8 @@ static void test_evidence_beyond_all_exponents_is_a_number(void)
     ASSERT_NEAR(0, share_of(1), 1e-3);
 }
 
-/* Numbers whose squares overflow, and those whose determinant alone does, do not raise an
- * alarm, and are forgotten with their window. */
+/* Numbers whose squares overflow, or only whose determinant overflows, raise no alarm, and
+ * are forgotten when their window ends. */
 static void test_rows_that_overflow_raise_no_alarm_and_are_forgotten(void)
 {
     const double sizes[2] = {TOL(1e200, 1e25), TOL(1e120, 1e16)};
@@ -418,8 +421,8 @@ static void test_a_frame_without_rows_says_nothing(void)
     ASSERT_NEAR(0, rc_alarm_noise(&alarm), 0);
 }
 
-/* Body 2 is seen no more: it is blind after two of the longest windows, and soon after it
- * is seen again it is not. */
+/* Body 2 is no longer seen: after two of the longest windows it is blind. Soon after it is
+ * seen again, it is not. */
 static void test_a_body_without_rows_is_blind_and_sees_again(void)
 {
     test_rng rng = test_seed(6);
@@ -471,8 +474,8 @@ static void test_noise_is_the_clipped_rms_over_that_of_normal_noise_as_stated(vo
     }
 }
 
-/* What it says would have been noticed is: a turn of twice that size, about the axis that
- * is seen worst, raises the alarm within the longest window; of a fifth does not. */
+/* A turn of twice the stated size, about the axis that is seen worst, raises the alarm
+ * within the longest window. A turn of a fifth of it does not. */
 static void test_the_smallest_turn_is_noticed_where_it_is_twice_as_large(void)
 {
     TEST_ON_HOST_ONLY("thousands of frames");
@@ -484,7 +487,8 @@ static void test_the_smallest_turn_is_noticed_where_it_is_twice_as_large(void)
         (void)run(&most, &rng, 700, 20, 1);
         rc_alarm_again(&alarm, bodies);
         smallest = D(rc_alarm_smallest(&alarm, bodies, 1));
-        move[1] = smallest * (trial % 2 ? 0.2 : 2); /* row_of sees this axis worst */
+        move[1] = smallest * (trial % 2 ? 0.2 : 2); /* the rows of row_of show turns about
+                                                       this axis worst */
         double evidence = -1;
         for (int f = 0; f < 256 && evidence < 0; f++) {
             for (int i = 0; i < 20; i++) {
@@ -500,8 +504,8 @@ static void test_the_smallest_turn_is_noticed_where_it_is_twice_as_large(void)
     TEST_ASSERT_TRUE(found[1] <= 1);
 }
 
-/* After the answer the evidence is what it was at first, whatever was written where the
- * trials were; what was measured of the rows stays. */
+/* After the answer the evidence is as at first, whatever the trials wrote into the memory.
+ * What was measured of the rows stays. */
 static void test_after_the_answer_windows_start_with_what_was_measured(void)
 {
     test_rng rng = test_seed(8);
@@ -520,7 +524,7 @@ static void test_after_the_answer_windows_start_with_what_was_measured(void)
     TEST_ASSERT_FALSE(rc_alarm_is_blind(bodies, 1));
 }
 
-/* A copy goes on as the original does. */
+/* A copy continues in the same way as the original. */
 static void test_the_state_can_be_copied(void)
 {
     static rigcal_real kept[BODIES * RC_ALARM_BODY];
@@ -538,8 +542,9 @@ static void test_the_state_can_be_copied(void)
     ASSERT_NEAR(evidence, run(&most, &rng, 20, 10, 1), 0);
 }
 
-/* Where signs are fair no noise raises more alarms than are stated, three standard errors
- * aside: a hundred times as stated, and Cauchy's. */
+/* If positive and negative errors are equally likely, no noise raises more alarms than
+ * stated, plus three standard errors. The noise is a hundred times the stated one, or has
+ * Cauchy's distribution. */
 static void test_false_alarms_are_no_more_than_stated_whatever_the_noise(void)
 {
     TEST_ON_HOST_ONLY("a rate of few frames says nothing");

@@ -1,5 +1,5 @@
-/* band: where in another image the match of a pixel can be. The truth: the derivatives of
- * (G24) one by one, in doubles (support/test_bands.h). */
+/* band: where the match of a pixel can be in another image. The truth is made with the
+ * derivatives of (M3), one by one, in double (support/test_bands.h). */
 #include <math.h>
 #include <string.h>
 
@@ -76,7 +76,7 @@ static void assert_match(const test_band_truth *truth, const rigcal_match *match
     ASSERT_NEAR(truth->chi2 + log(width * width), match->score, tol * (4 + truth->chi2));
     ASSERT_NEAR(truth->depth_a, match->depth_a,
                 TOL(1e-7, 1e-3) * truth->depth_a *
-                    fmax(1, truth->depth_a)); /* the farther, the less parallax */
+                    fmax(1, truth->depth_a)); /* the farther the point, the less parallax */
     if (truth->margin > TOL(1e-6, 1e-2)) {
         TEST_ASSERT_EQUAL_INT32(truth->is_inside, match->is_inside);
     }
@@ -155,7 +155,7 @@ static void test_rays_and_pixels_say_the_same(void)
 
 /* ---- where there is no answer ---------------------------------------------- */
 
-/* Two pinholes of 500 px; b is at `centre` of a, and looks the same way. */
+/* Two pinholes of 500 px. The centre of b is at `centre` of a; both look the same way. */
 static rigcal_camera pinhole;
 
 static void look_the_same_way(const double centre[3], double sigma_px)
@@ -178,8 +178,8 @@ static void look_the_same_way(const double centre[3], double sigma_px)
     scene.pair.k = 2;
 }
 
-/* b is before a: both see the other's centre at (320, 240). Of 0.5 px, 3 standard
- * deviations are 1.5 px. */
+/* Camera b is in front of a: each sees the other's centre at (320, 240). With 0.5 px, 3
+ * standard deviations are 1.5 px. */
 static void test_near_the_epipole_of_a_there_is_no_band(void)
 {
     static const double before[3] = {0, 0, 1};
@@ -194,12 +194,12 @@ static void test_near_the_epipole_of_a_there_is_no_band(void)
                        rigcal_band_make(&band, &scene.pair, close));
         ASSERT_STATUS(RIGCAL_OK, rigcal_band_make(&band, &scene.pair, off));
     }
-    scene.pair.k = 6; /* a wider band needs a surer line */
+    scene.pair.k = 6; /* a wider band needs a more certain line */
     const rigcal_real off[2] = {RC(322), 240};
     ASSERT_REFUSED(RIGCAL_ERR_EPIPOLE, band, rigcal_band_make(&band, &scene.pair, off));
 }
 
-/* The direction of t is unsure by 0.01 rad = 5 px sideways: as the band is. */
+/* The direction of t is uncertain by 0.01 rad = 5 px sideways, and so is the band. */
 static void test_a_calibration_that_is_unsure_widens_the_epipole(void)
 {
     static const double before[3] = {0, 0, 1};
@@ -282,8 +282,8 @@ static void test_the_epipole_of_a_itself_has_no_band(void)
     ASSERT_REFUSED(RIGCAL_ERR_EPIPOLE, band, rigcal_band_make(&band, &scene.pair, uv));
 }
 
-/* A ray so far off the line, whose pixel moves it by `turn` rad a pixel; the direction of
- * the baseline is unsure by `unsure`, the pixels by `sigma_px`. */
+/* Tests a ray this far off the line. Its pixel moves it by `turn` rad a pixel. The
+ * direction of the baseline is uncertain by `unsure`, the pixels by `sigma_px`. */
 static rigcal_status test_off_the_line(rigcal_match *match, double off, double turn,
                                        double unsure, double sigma_px)
 {
@@ -321,7 +321,7 @@ static void test_a_ray_whose_pixel_says_nothing_of_the_line_is_degenerate(void)
     ASSERT_UNTOUCHED(match); /* 1e14 standard deviations off */
     ASSERT_STATUS(RIGCAL_ERR_DEGENERATE,
                   test_off_the_line(&match, 0.1, 1e6, least, little));
-    ASSERT_UNTOUCHED(match); /* a variance that a pixel cannot show */
+    ASSERT_UNTOUCHED(match); /* a variance that no pixel can show */
     ASSERT_STATUS(RIGCAL_ERR_DEGENERATE, test_off_the_line(&match, 0, 1e6, least, little));
     ASSERT_UNTOUCHED(match);
 }

@@ -43,7 +43,7 @@ static void test_the_observation_at_fault_is_told(void)
     test_scene_seen(&scene, &camera, good, 12);
     camera.k1 = RC(-0.4);
     camera.k2 = camera.k3 = 0;
-    for (int i = 0; i < 20; i++) { /* all inside of the circle */
+    for (int i = 0; i < 20; i++) { /* all within the circle */
         good[i].uv[0] = RC(D(camera.cx) + 10 * i);
         good[i].uv[1] = RC(D(camera.cy) - 7 * i);
     }

@@ -1,5 +1,5 @@
-/* border: parameters beside cameras and placements, against one dense matrix of all that is
- * unknown, from which the placements are eliminated by Gauss's method. */
+/* border: parameters beside cameras and placements, compared with one dense matrix of all
+ * unknowns, from which the placements are eliminated by Gauss's method. */
 #include <math.h>
 #include <string.h>
 
@@ -9,22 +9,22 @@
 enum {
     CAMERAS = 4, /* the second is held */
     PLACEMENTS = 5,
-    COLUMNS = 2 * CAMERAS + 3, /* two of each camera, and three of all of them */
-    ROWS = 10,                 /* measured numbers of a view */
+    COLUMNS = 2 * CAMERAS + 3, /* two for each camera, and three for all cameras */
+    ROWS = 10,                 /* measured numbers in a view */
     N = 6 * (CAMERAS - 1),
     ALL = N + COLUMNS + 6 * PLACEMENTS,
     Q_SIZE = 3 * CAMERAS + 6
 };
 
-/* Q: the two of a camera, and the three. */
+/* The first column that Q stores in each row: those of one camera, and the last three. */
 static const uint16_t FIRST[COLUMNS] = {0, 0, 2, 2, 4, 4, 6, 6, 8, 8, 8};
 
-/* Rows of J by cam_from_target, of D, and e. */
+/* Rows of J by cam_from_target, rows of D, and e. */
 typedef struct {
     double J[ROWS][6], D[ROWS][COLUMNS], e[ROWS];
 } measured;
 
-/* All that is unknown: cameras, columns, placements. M x = b. */
+/* All unknowns: cameras, columns, placements. M x = b. */
 typedef struct {
     double M[ALL][ALL], b[ALL];
 } dense;
@@ -55,7 +55,7 @@ static void measure(measured *m, test_rng *rng, int camera)
     }
 }
 
-/* The whole row of the dense problem that row `row` of a view is. */
+/* The row of the dense problem for row `row` of a view. */
 static void dense_row(double out[ALL], const measured *m, int row, int camera,
                       int placement, const rigcal_transform *C, const rigcal_transform *P)
 {
@@ -95,7 +95,7 @@ static void add_dense(dense *d, const double row[ALL], double e)
     }
 }
 
-/* Takes the unknowns from `keep` on out of the others. */
+/* Eliminates the unknowns from `keep` on. */
 static void eliminate(dense *d, int keep, int n)
 {
     for (int p = n - 1; p >= keep; p--) {
@@ -141,7 +141,7 @@ static void invert_cameras(rigcal_real S_inverse[], const dense *d)
     }
 }
 
-/* The memory of a border, and the border. */
+/* A border and its memory. */
 typedef struct {
     rigcal_real T[COLUMNS * N], Z[6 * COLUMNS], Q[Q_SIZE], q[COLUMNS];
     rigcal_real W[36 * CAMERAS], slot[CAMERAS];
@@ -161,7 +161,7 @@ static void set_up(memory *m)
     m->b.slot = m->slot;
 }
 
-/* What a caller does with a view. */
+/* Adds a view as a caller does. */
 static void add_view(rc_border *b, const measured *m, int camera, const rc_chain *chain)
 {
     static const int AT[6][6] = {{0, 1, 2, 6, 7, 8},      {1, 3, 4, 9, 10, 11},
@@ -270,7 +270,7 @@ static void test_information_and_slope_are_without_the_cameras(void)
         eliminate(&d, N + COLUMNS, ALL);
         invert_cameras(S_inverse, &d);
         test_to_real(g, d.b, N);
-        /* The cameras last, and out. */
+        /* Eliminates the cameras last. */
         for (int i = 0; i < N + COLUMNS; i++) {
             const int to = (i < N) ? i + COLUMNS : i - N;
 

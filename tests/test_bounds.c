@@ -1,8 +1,8 @@
-/* bounds: no loop runs longer than rigcal.h says, and each bound is driven to or as
- * near as an input was found for. Units that the API counts are counted one by one.
- * For the others the library is built here with count_hooks.h, and the calls of a math
- * function in a named function of src/ are counted: its source tells how many an
- * iteration makes. */
+/* bounds: no loop runs longer than rigcal.h says. Each bound is reached, or approached as
+ * closely as any known input does. Units that the API counts are counted one by one. For
+ * other loops the library is built here with count_hooks.h, which counts the calls of a
+ * math function in a named function of src/. The source of that function shows how many
+ * calls one pass makes. */
 #include <math.h>
 #include <string.h>
 
@@ -17,7 +17,7 @@ static struct {
     long count;
 } watched;
 
-/* In one source made of all a name may have its layer before it. */
+/* In the single file a name may have the name of its layer before it. */
 static int is_watched(const char *function)
 {
     const size_t have = strlen(function), want = strlen(watched.function);
@@ -48,7 +48,8 @@ static void watch(const char *function, int hook)
     watched.count = 0;
 }
 
-/* Counts |a| > 0 || |b| > 0: the second call is made only where the first is of 0. */
+/* Counts decisions |a| > 0 || |b| > 0. The second call is made only if the first one has
+ * 0. */
 static void watch_either(const char *function)
 {
     watch(function, HOOK_FABS);
@@ -60,7 +61,7 @@ static void keep_largest(long *largest, long count)
     *largest = (count > *largest) ? count : *largest;
 }
 
-/* 10^low to 10^high, of either sign. */
+/* A number between 10^low and 10^high, positive or negative. */
 static double anything(test_rng *rng, double low, double high)
 {
     const double size = pow(10, test_uniform(rng, low, high));
@@ -70,7 +71,7 @@ static double anything(test_rng *rng, double low, double high)
 
 /* ---- rotation ------------------------------------------------------------ */
 
-/* One square root an iteration. */
+/* One square root in each iteration. */
 static long polar_iterations(const double M[9])
 {
     rigcal_real in[9], R[9];
@@ -81,8 +82,8 @@ static long polar_iterations(const double M[9])
     return watched.count;
 }
 
-/* Rotations stretched by up to 1e16, and numbers of any size. Scaled as it is, the
- * iteration forgets a stretch in two steps: nothing comes near 40. */
+/* Rotations stretched by up to 1e16, and numbers of any size. With its scaling the
+ * iteration removes a stretch in two steps, so nothing comes near 40. */
 static void test_the_nearest_rotation_takes_at_most_40_iterations(void)
 {
     test_rng rng = test_seed(400);
@@ -109,14 +110,14 @@ static void test_the_nearest_rotation_takes_at_most_40_iterations(void)
 
 /* ---- camera -------------------------------------------------------------- */
 
-/* A lens of focal length 1 about the corner of its image: coefficients k1, k2, k3,
- * p1, p2, and a pixel. */
+/* A lens with focal length 1 at the corner of its image: coefficients k1, k2, k3, p1, p2,
+ * and a pixel. */
 typedef struct {
     double k[5], uv[2];
 } lens_case;
 
-/* A step of Newton's method and one of the proof look at one |a| > 0 || |b| > 0, the
- * latter where the denominator of the lens is positive, which here is 1. */
+/* A step of Newton's method and a step of the proof each make one decision |a| > 0 || |b| >
+ * 0. The proof makes it only if the denominator of the lens is positive; here it is 1. */
 static const char NEWTON[] = "solve_from", PROOF[] = "is_usable_between";
 
 static long ray_steps(const char *function, int32_t lens, const lens_case *l)
@@ -146,9 +147,9 @@ static lens_case random_lens(test_rng *rng, int32_t lens)
     return l;
 }
 
-/* Found by climbing from random lenses: pixels just outside what the lens images, so
- * that each number of stages is tried, and all but the last of each arrive. Of 60 steps
- * only a few solves are: 1400 of the 7620 is as far as it went. */
+/* Found by climbing from random lenses: pixels just outside the image of the lens. Every
+ * number of stages is tried, and all stages but the last arrive. Only a few solves take 60
+ * steps: the most that was found is 1400 of the 7620 possible. */
 static void test_a_pixel_takes_at_most_127_solves_of_60_steps(void)
 {
     static const lens_case FAR[2] = {
@@ -174,8 +175,8 @@ static void test_a_pixel_takes_at_most_127_solves_of_60_steps(void)
     TEST_ASSERT_GREATER_OR_EQUAL_INT(1400, largest);
 }
 
-/* So near to the axis that the square of the distance is 0: the first step brings
- * nothing nearer, and is halved to the end. */
+/* So close to the axis that the square of the distance is 0. The first step gains nothing,
+ * and is halved until the end. */
 static void test_a_solve_takes_its_60_steps_and_no_more(void)
 {
     const lens_case l = {{-0.2, 0, 0, 0, 0}, {TOL(1e-200, 1e-24), 0}};
@@ -183,8 +184,8 @@ static void test_a_solve_takes_its_60_steps_and_no_more(void)
     TEST_ASSERT_EQUAL_INT(60, ray_steps(NEWTON, RIGCAL_LENS_BROWN, &l));
 }
 
-/* Tangential distortion leaves the bounds of the proof little: it creeps, and every
- * number of stages ends in a proof that fails at its last step. */
+/* Tangential distortion leaves little margin for the bounds of the proof, so its steps are
+ * short. With every number of stages the proof fails at its last step. */
 static void test_a_pixel_takes_at_most_7_proofs_of_1024_steps(void)
 {
     static const lens_case CREEP[2] = {
@@ -209,8 +210,8 @@ static void test_a_pixel_takes_at_most_7_proofs_of_1024_steps(void)
     TEST_ASSERT_EQUAL_INT(7 * 1024, largest);
 }
 
-/* Strong tangential distortion, and a ray beyond the turning point: p1, k3, azimuth and
- * slope of the ray. */
+/* Strong tangential distortion, and a ray beyond the place where the lens folds: p1, k3,
+ * azimuth and slope of the ray. */
 static void test_a_projection_takes_at_most_one_such_proof(void)
 {
     static const double CREEP[2][4] = {
@@ -232,7 +233,7 @@ static void test_a_projection_takes_at_most_one_such_proof(void)
     TEST_ASSERT_EQUAL_INT(1024, largest);
 }
 
-/* Of lenses as they are made. */
+/* For realistic lenses. */
 static void test_a_pixel_usually_takes_one_solve_of_3_to_6_and_a_proof_of_1_to_3(void)
 {
     test_rng rng = test_seed(403);
@@ -264,7 +265,7 @@ typedef struct {
     size_t n;
 } views;
 
-/* One point seen by n cameras side by side, with so much noise [px]. */
+/* One point seen by n cameras side by side, with this noise [px]. */
 static void random_views(views *v, size_t n, double noise_px, double nearest, test_rng *rng)
 {
     double X[3];
@@ -284,7 +285,7 @@ static void random_views(views *v, size_t n, double noise_px, double nearest, te
         t[2] = test_uniform(rng, nearest, 2 * nearest) - X_c[2];
         v->poses[i] = test_transform(R, t);
         v->cameras[i] = test_pinhole();
-        v->cameras[i].k1 = RC(1e-6); /* else it would be a shorter way */
+        v->cameras[i].k1 = RC(1e-6); /* otherwise the library takes a shorter path */
         test_transform_parts(R, t, &v->poses[i]);
         test_apply(X_c, R, X, t);
         test_project_px(uv, &v->cameras[i], X_c);
@@ -293,8 +294,8 @@ static void random_views(views *v, size_t n, double noise_px, double nearest, te
     }
 }
 
-/* Three absolute values a view twice for its ray, and each time that the equations are
- * evaluated. */
+/* Each view calls the absolute value three times: twice for its ray, and at each evaluation
+ * of the equations. */
 static long triangulation_evals(const views *v)
 {
     rigcal_point point;
@@ -304,7 +305,8 @@ static long triangulation_evals(const views *v)
     return watched.count / (3 * (long)v->n) - 2;
 }
 
-/* Pixels hundreds off leave residuals that Gauss and Newton's method is slow with. */
+/* Pixels that are hundreds off leave large residuals, for which the Gauss-Newton method is
+ * slow. */
 static void test_a_point_takes_at_most_50_evaluations(void)
 {
     test_rng rng = test_seed(406);
@@ -321,8 +323,8 @@ static void test_a_point_takes_at_most_50_evaluations(void)
     TEST_ASSERT_GREATER_OR_EQUAL_INT(TOL(40, 30), evals);
 }
 
-/* The first evaluation shows that exact pixels leave nothing to gain. Their noise is
- * then the rounding of a pixel, which is larger in float. */
+/* For exact pixels the first evaluation shows that nothing is left to gain. Their noise is
+ * the rounding of a pixel, which is larger in float. */
 static void test_a_point_usually_takes_2_or_3_evaluations_and_of_exact_pixels_1(void)
 {
     static const double NOISE_PX[4] = {0, 1e-6, 1e-3, 0.5};
@@ -346,8 +348,8 @@ static void test_a_point_usually_takes_2_or_3_evaluations_and_of_exact_pixels_1(
 
 /* ---- transform ----------------------------------------------------------- */
 
-/* An iteration makes a quaternion of each deviation, with one square root. Rotations
- * from anywhere have a mean that the iteration creeps to. */
+/* Each iteration makes a quaternion of every deviation, with one square root. For random
+ * rotations the iteration converges slowly. */
 static void test_a_mean_takes_at_most_20_iterations(void)
 {
     test_rng rng = test_seed(408);
@@ -402,7 +404,7 @@ static rigcal_real cost_of(void *context, const rigcal_real x[])
     }
 }
 
-/* A slope has no end before max_evals; the others may. */
+/* A slope has no end before max_evals. The other functions may have one. */
 static void test_neldermead_spends_max_evals_and_no_more(void)
 {
     static const int32_t MOST[5] = {1, 2, 7, 100, 3000};
@@ -444,11 +446,11 @@ static void test_neldermead_spends_max_evals_and_no_more(void)
 enum {
     NOISE,     /* 0.3 px */
     NONSENSE,  /* 30 px */
-    MIRRORED,  /* the target, Z to -Z */
-    NEEDLE,    /* nearly on a line, 1 px */
-    ANY_PIXEL, /* of the image */
-    GARBAGE,   /* of all sizes */
-    BENT,      /* 10 px through a lens that folds */
+    MIRRORED,  /* the target with Z replaced by -Z */
+    NEEDLE,    /* nearly on a line, noise of 1 px */
+    ANY_PIXEL, /* random pixels of the image */
+    GARBAGE,   /* random numbers of all sizes */
+    BENT,      /* noise of 10 px, through a lens that folds */
     KINDS
 };
 enum { POINTS_MAX = 40 };
@@ -500,7 +502,7 @@ static void hostile_scene(scene *s, int kind, int n, test_rng *rng)
 
 /* ---- paper --------------------------------------------------------------- */
 
-/* Evaluations of a search to tolerances that are never met. */
+/* Evaluations of a search whose tolerances are never met. */
 static long paper_evals(const scene *s, const rigcal_paper_options *options)
 {
     rigcal_bearing bearings[POINTS_MAX];
@@ -524,7 +526,7 @@ static long paper_evals(const scene *s, const rigcal_paper_options *options)
     if (rigcal_paper_result(&pose, &solver) >= 0) {
         TEST_ASSERT_EQUAL_INT(solver.evals, pose.evals);
     }
-    TEST_ASSERT_GREATER_THAN_INT(solver.evals, units); /* an end is judged */
+    TEST_ASSERT_GREATER_THAN_INT(solver.evals, units); /* the end of a search is judged */
     TEST_ASSERT_LESS_OR_EQUAL_INT(solver.evals + 25 + 3, units);
     return solver.evals;
 }
@@ -561,7 +563,7 @@ static void test_the_published_search_spends_max_evals_and_no_more(void)
 
 /* ---- pose and robust ----------------------------------------------------- */
 
-/* Units of a search to its end; 0: it cannot begin. */
+/* Units of a search until its end; 0: it cannot begin. */
 static int pose_units(const scene *s, const rigcal_pose_options *options)
 {
     rigcal_pose_solver solver;
@@ -582,8 +584,8 @@ static int points_of(uint64_t seed)
     return 3 + (int)(seed % 8);
 }
 
-/* Whether a ray is more than 60 degrees off the axis, or more than 80 off that of the
- * middle of the image, by a pinhole. */
+/* Whether a ray is more than 60 degrees off the axis, or more than 80 degrees off the
+ * middle of the image, as a pinhole measures it. */
 static int is_wide(const scene *s)
 {
     double middle[3] = {0, 0, 1};
@@ -608,7 +610,7 @@ static int is_wide(const scene *s)
     return 0;
 }
 
-/* As rigcal.h counts them. */
+/* The limit by the formulas of rigcal.h. */
 static int most_units(const scene *s)
 {
     const int n = (int)s->n, bent = s->camera.k1 < 0;
@@ -617,7 +619,7 @@ static int most_units(const scene *s)
     return rays + proofs + (is_wide(s) ? 2000 : 900);
 }
 
-/* Scene `seed` of a kind, from a start of any rotation where it is asked for. */
+/* Units of scene `seed` of a kind; with use_start from a random rotation. */
 static int units_of(uint64_t seed, int kind, int use_start)
 {
     static const double t[3] = {0, 0, 5};
@@ -648,9 +650,9 @@ static void test_a_pose_takes_at_most_900_units_and_a_wide_one_2000(void)
     }
 }
 
-/* Needles exhaust refinement after refinement. Of 200 000, for each precision, these took
- * the most: nearly all that there can be, a start's 100, gathering, 24 directions,
- * 3 descents of 9 and 6 refinements of 100. */
+/* Needles use up one refinement after the other. Of 200 000 scenes, for each precision,
+ * these took the most units. It is nearly the limit: 100 of a start, gathering, 24
+ * directions, 3 descents of 9 and 6 refinements of 100. */
 static void test_needles_take_760_units(void)
 {
     static const uint64_t WORST[2] = {21793, 186080};
@@ -662,7 +664,8 @@ static void test_needles_take_760_units(void)
     TEST_ASSERT_INT_WITHIN(10, 760, largest);
 }
 
-/* Up to 8 points start from the poses of three of them. Three points take about 12. */
+/* With up to 8 points the search starts from the poses of three of them. Three points take
+ * about 12 units. */
 static void test_usual_poses_take_7_to_55_or_40_to_70_units(void)
 {
     int scenes = 0, others = 0;
@@ -680,8 +683,8 @@ static void test_usual_poses_take_7_to_55_or_40_to_70_units(void)
     TEST_ASSERT_LESS_THAN_INT(scenes / 10, others);
 }
 
-/* All points 60 to 80 degrees off the axis of a pinhole, and seen within an angle `spread`
- * around it. */
+/* All points are 60 to 80 degrees off the axis of a pinhole, within an angle `spread` of
+ * each other. */
 static void wide_scene(scene *s, double spread, test_rng *rng)
 {
     double R[9];
@@ -756,7 +759,8 @@ static long robust_units(uint64_t seed, int kind)
     return units;
 }
 
-/* Two needles that take more than two searches: few are of other points than the last. */
+/* Two needles that take more than two searches. Few of them use other points than the last
+ * one. */
 static void test_a_robust_pose_takes_at_most_those_of_9_searches_and_of_its_own(void)
 {
     static const uint64_t WORST[2] = {311805, 1296296};
@@ -775,7 +779,7 @@ static void test_a_robust_pose_takes_at_most_those_of_9_searches_and_of_its_own(
 
 /* ---- diagnose ------------------------------------------------------------ */
 
-/* Absolute values by which a search checks one point that counts. */
+/* Absolute values that a search needs to check one point that counts. */
 enum { CHECKS = 5 };
 
 /* A search checks each point once. */
@@ -803,8 +807,8 @@ static void test_a_diagnosis_solves_n_plus_1_to_n_plus_3_poses(void)
     }
 }
 
-/* Of more than 64 points only 64 are left out in turn; a survey of all is for their
- * choice. */
+/* Of more than 64 points only 64 are left out in turn. All points are surveyed to choose
+ * them. */
 static void test_a_diagnosis_of_many_points_solves_65_to_67_poses(void)
 {
     enum { MANY = RIGCAL_BLAME_TRIES + 20 };

@@ -1,5 +1,5 @@
-/* calibrated: what is kept of an adjusted rig, and what can be asked of it. The covariance
- * of a pair is compared with that of the rig, and with differences. */
+/* calibrated: what is kept of an adjusted rig, and the functions for it. The covariance of
+ * a pair is compared with that of the rig, and with differences. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -111,7 +111,8 @@ static void test_pairs_are_those_of_the_rig(void)
     }
 }
 
-/* J Sigma J^T, J being that of b_from_a by differences, Sigma of both cameras. */
+/* J Sigma J^T. J is the derivative of b_from_a by differences; Sigma belongs to both
+ * cameras. */
 static void test_a_pair_has_the_covariance_that_differences_give(void)
 {
     enum { A = 1, B = 3 };
@@ -268,7 +269,7 @@ static void test_what_cannot_be_taken_is_refused_and_nothing_written(void)
     assert_not_taken(RIGCAL_ERR_STATE, 1);
 }
 
-/* A line of what a caller may have filled in wrongly. */
+/* A line for each thing that a caller may have filled in wrongly. */
 static void test_a_rig_that_is_not_valid_is_not_asked(void)
 {
     rigcal_real block[36];

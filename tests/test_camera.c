@@ -160,7 +160,7 @@ static void test_undistorted_pixels_are_those_of_the_pinhole_and_go_back(void)
             test_to_real(uv, exact, 2);
             straight[0] = D(camera.fx) * X_c[0] / X_c[2] + D(camera.cx);
             straight[1] = D(camera.fy) * X_c[1] / X_c[2] + D(camera.cy);
-            /* A pixel's error, as the lens magnifies it. */
+            /* The error of a pixel, as the lens magnifies it. */
             slack = 4 * TEST_PX / test_steepness(&camera, at);
             if (camera.lens == RIGCAL_LENS_FISHEYE) {
                 slack /= cos(at.out) * cos(at.out);
@@ -244,13 +244,13 @@ static void test_a_fisheye_sees_behind_itself_but_not_its_own_centre(void)
     ASSERT_REFUSED(RIGCAL_ERR_DEGENERATE, uv, rigcal_camera_project(uv, &camera, centre));
 }
 
-/* A point 180 degrees off the axis would be imaged on a whole circle. */
+/* The image of a point 180 degrees off the axis would be a whole circle. */
 static void test_a_fisheye_does_not_see_straight_back(void)
 {
     const rigcal_camera camera = test_lens_camera(&TEST_LENSES[TEST_N_LENSES - 4]);
     const rigcal_real backs[2][3] = {{0, 0, -2}, {RC(1e-20), RC(-3e-20), -2}};
 
-    for (int i = 0; i < 2; i++) { /* to rounding: its azimuth may have lost its digits */
+    for (int i = 0; i < 2; i++) { /* to rounding: the azimuth may have lost its digits */
         rigcal_real uv[2];
         FILL(uv);
         const rigcal_status status = rigcal_camera_project(uv, &camera, backs[i]);
@@ -381,8 +381,8 @@ static void test_no_error_is_told_of_points_that_cannot_be_seen(void)
     test_scene_seen(&scene, &camera, observations, 15);
     cam_from_world = test_transform(scene.R, scene.t);
     FILL(worst);
-    /* The camera's own centre, carried 1 back, then 3 to the side of 1 ahead:
-     * beyond the fold of a lens with k1 = -0.4 alone. */
+    /* The camera's own centre, moved back by 1, then to the side by 3 at 1 ahead: beyond
+     * the fold of a lens with k1 = -0.4 alone. */
     for (int k = 0; k < 3; k++) {
         double o = 0;
 
@@ -411,7 +411,7 @@ static void test_no_error_is_told_of_points_that_cannot_be_seen(void)
     ASSERT_UNTOUCHED(worst);
 }
 
-/* A pixel that is no number is told before a point that is out of range. */
+/* A pixel that is no number is reported before a point that is out of range. */
 static void test_what_is_no_number_is_told_first(void)
 {
     const rigcal_transform same = test_transform(NULL, NULL);
@@ -426,8 +426,8 @@ static void test_what_is_no_number_is_told_first(void)
                    rigcal_view_rms(&rms, NULL, &VIEW(&camera, &o, NULL, 1), &same));
 }
 
-/* Points beside the camera, so little before it that the square of the pixel overflows, or
- * through a lens the pixel itself. */
+/* Points beside the camera, only slightly in front. The square of the pixel overflows or,
+ * with a lens, the pixel itself. */
 static void test_a_pixel_that_overflows_is_none(void)
 {
     const double little = TOL(1e-150, 1e-18);

@@ -1,5 +1,5 @@
 /* cause: why a view, or most views of a camera, contradict the others. The truth: rigs in
- * which the test has done it. */
+ * which the test made that error. */
 #include <string.h>
 
 #include "rigcal_solvers.h"
@@ -11,8 +11,8 @@ static test_boards b;
 
 #define WANTS_BOARDS TEST_WANTS_RAM(sizeof(test_boards) + 20000)
 
-/* A board turned by half; and two that are no symmetries of it: a row shifted, and points
- * exchanged in pairs. */
+/* A board turned by half a turn, and two permutations that are no symmetries of it: a row
+ * shifted, and points exchanged in pairs. */
 enum { SHIFTED_ROWS, TURNED, PAIRS, PERMUTATIONS };
 static int32_t permutations[PERMUTATIONS * BOARD_POINTS];
 static rigcal_observation room[BOARD_POINTS];
@@ -35,8 +35,8 @@ static void make(uint64_t seed, int n_cameras, int n_places)
     test_boards_make(&b, &rng, n_cameras, n_places, n_cameras, NOISE, 0);
 }
 
-/* Joined by the truth: of three cameras one of which is wrong, most pairs disagree, and the
- * choice refuses. */
+/* Judges with poses joined at the truth. Of three cameras with one wrong, most pairs
+ * disagree, and the choice would refuse. */
 static rigcal_status judged(void)
 {
     test_boards_solve(&b);
@@ -89,8 +89,8 @@ static void test_a_turned_view_is_told_with_its_permutation(void)
     }
 }
 
-/* The farther its pose is off, the larger the distance of a view that is turned, up to the
- * limit: beyond it the cause is unknown. */
+/* The farther the pose of a turned view is off, the larger is `distance`. Beyond the limit
+ * the cause is unknown. */
 static void test_up_to_the_limit_the_cause_is_told(void)
 {
     rigcal_real step = RC(0.002);
@@ -113,7 +113,7 @@ static void test_up_to_the_limit_the_cause_is_told(void)
     TEST_ASSERT_GREATER_THAN_INT(2, told);
 }
 
-/* Either of the two may be the turned one. */
+/* Either of the two views may be the turned one. */
 static void test_of_two_views_either_may_be_turned(void)
 {
     WANTS_BOARDS;
@@ -147,7 +147,7 @@ static void test_a_view_of_the_placement_before_or_after_is_told(void)
     }
 }
 
-/* The placements before and after are one: the target stood still. */
+/* The placements before and after are the same: the target stood still. */
 static void test_of_a_target_that_stood_still_the_shift_is_open(void)
 {
     WANTS_BOARDS;
@@ -164,7 +164,7 @@ static void test_of_a_target_that_stood_still_the_shift_is_open(void)
     TEST_ASSERT_EQUAL_INT32(1, cause.is_still);
 }
 
-/* The lenses differ: each view is solved with the other's. */
+/* The lenses differ. Each view is solved with the lens of the other. */
 static void test_swapped_cameras_are_told(void)
 {
     static rigcal_camera lens;
@@ -193,7 +193,7 @@ static void test_swapped_cameras_are_told(void)
     TEST_ASSERT_EQUAL_INT32(3, cause.camera);
 }
 
-/* Replaced by a placement that is not near, there is no cause. */
+/* A view is replaced by one of a placement that is not near in time: it has no cause. */
 static void test_of_other_views_the_cause_is_unknown(void)
 {
     WANTS_BOARDS;
@@ -244,7 +244,7 @@ static void test_a_camera_is_early(void)
     TEST_ASSERT_EQUAL_INT32(1, cause.shift);
 }
 
-/* Two cameras, one of which has all its points in reverse: no placement agrees. */
+/* Two cameras. One of them has all its points in reverse, so no placement agrees. */
 static void test_all_views_of_a_camera_are_turned(void)
 {
     int32_t at_fault;
@@ -271,7 +271,7 @@ static void test_all_views_of_a_camera_are_turned(void)
     }
 }
 
-/* The origin of the target is so far off its points. */
+/* Moves the origin of the target this far from its points. */
 static void shift_origin(double x, double y)
 {
     const double shift[3] = {-x, -y, 0};
@@ -288,7 +288,8 @@ static void shift_origin(double x, double y)
     }
 }
 
-/* What is known of the shift of a far origin is not what is known of a turned one's. */
+/* The information about the shift of a far origin differs from that of a turned target's
+ * origin. */
 static void test_a_camera_is_turned_about_a_far_origin(void)
 {
     WANTS_BOARDS;
@@ -304,7 +305,7 @@ static void test_a_camera_is_turned_about_a_far_origin(void)
     TEST_ASSERT_TRUE(cause.n_agree >= 7);
 }
 
-/* Views by chance: no two agree, turned or not. */
+/* Random views: no two agree, turned or not. */
 static void test_of_a_camera_with_other_views_the_cause_is_unknown(void)
 {
     WANTS_BOARDS;
@@ -313,7 +314,7 @@ static void test_of_a_camera_with_other_views_the_cause_is_unknown(void)
         shift_origin(5 * (trial % 2), 3.75 * (trial % 2));
         for (int f = 0; f < 8; f++) {
             const int v = test_boards_view(&b, 2, f);
-            for (int i = 0; i < BOARD_POINTS; i++) { /* the view moved */
+            for (int i = 0; i < BOARD_POINTS; i++) { /* moves the view */
                 b.o[v][i].uv[0] += RC(30 * ((f * 5) % 8 - 3.5));
                 b.o[v][i].uv[1] += RC(30 * ((f * 3) % 8 - 3.5));
             }
@@ -328,7 +329,7 @@ static void test_of_a_camera_with_other_views_the_cause_is_unknown(void)
 
 /* ---- views that stand still, agree by half, or say nothing ------------------ */
 
-/* The views of placement f have the pixels of placement `from`. */
+/* Gives the views of placement f the pixels of placement `from`. */
 static void stand_still(int f, int from)
 {
     for (int c = 0; c < (int)b.rig.n_cameras; c++) {
@@ -337,7 +338,7 @@ static void stand_still(int f, int from)
     b.true_places[f] = b.true_places[from];
 }
 
-/* The placements before and after are one but for noise: the nearer one is told. */
+/* The placements before and after differ only by noise. The nearer one is named. */
 static void test_of_two_causes_the_nearer_is_told(void)
 {
     int n_before = 0, n_after = 0;
@@ -368,7 +369,7 @@ static void test_of_two_causes_the_nearer_is_told(void)
     TEST_ASSERT_TRUE(TEST_ONE_IN > 1 || (n_before > 0 && n_after > 0));
 }
 
-/* The target goes to and fro: a placement late is a placement early. */
+/* The target moves to and fro, so one placement late is the same as one placement early. */
 static void test_of_a_target_that_goes_to_and_fro_the_shift_of_a_camera_is_open(void)
 {
     WANTS_BOARDS;
@@ -383,7 +384,7 @@ static void test_of_a_target_that_goes_to_and_fro_the_shift_of_a_camera_is_open(
     TEST_ASSERT_EQUAL_INT32(1, cause.is_still);
 }
 
-/* As many views agree as they are as a placement late: nothing is wrong. */
+/* As many views agree unchanged as agree one placement late: nothing is wrong. */
 static void test_of_a_target_that_stands_still_no_camera_is_late(void)
 {
     WANTS_BOARDS;
@@ -399,7 +400,7 @@ static void test_of_a_target_that_stands_still_no_camera_is_late(void)
     }
 }
 
-/* Three of eight views are a placement late, the others moved each by itself. */
+/* Three of eight views are one placement late. The others moved each by itself. */
 static void test_a_few_views_that_are_late_are_not_the_camera(void)
 {
     WANTS_BOARDS;
@@ -422,8 +423,9 @@ static void test_a_few_views_that_are_late_are_not_the_camera(void)
     TEST_ASSERT_EQUAL_INT32(RIGCAL_CAUSE_UNKNOWN, cause.cause);
 }
 
-/* Of a view whose pixels are no image of the target, of one without pixels, and of one
- * whose points are too far from their origin to tell how they lie, no turn can be told. */
+/* No turn can be found for a view whose pixels are no image of the target, for one without
+ * pixels, and for one whose points are too far from their origin to show their
+ * directions. */
 static void test_a_view_that_cannot_be_solved_has_no_cause(void)
 {
     WANTS_BOARDS;
@@ -453,8 +455,8 @@ static void test_a_view_that_cannot_be_solved_has_no_cause(void)
     }
 }
 
-/* The other view knows next to nothing of one turn about its camera's axes. Its information
- * can be inverted there, and not in the frame of the rig. */
+/* The other view has nearly no information on one turn about its camera's axes. Its
+ * information can be inverted there, but not in the frame of the rig. */
 static void test_against_a_view_that_knows_no_turn_there_is_no_cause(void)
 {
     WANTS_BOARDS;
@@ -547,7 +549,7 @@ static void test_permutations_are_checked(void)
     ASSERT_STATUS(RIGCAL_OK, CAUSE);
     symmetries.n_points = 2;
     ASSERT_REFUSED(RIGCAL_ERR_TOO_FEW, cause, CAUSE);
-    symmetries.n_points = BOARD_POINTS / 2; /* no view has so many */
+    symmetries.n_points = BOARD_POINTS / 2; /* no view has this number of points */
     permutations[5] = 0;
     symmetries.n_permutations = 1;
     ASSERT_REFUSED(RIGCAL_ERR_RANGE, cause, CAUSE);
@@ -567,7 +569,7 @@ static void test_permutations_are_checked(void)
 #undef CAUSE
 }
 
-/* Counts that an array cannot have; no permutation at all; a rig without views. */
+/* Counts that no array can have; no permutation; a rig without views. */
 static void test_counts_of_symmetries_are_checked(void)
 {
     rigcal_cause cause;
@@ -594,7 +596,7 @@ static void test_counts_of_symmetries_are_checked(void)
 #undef CAUSE
 }
 
-/* Of a camera without views, or whose views have other points than the symmetry's. */
+/* A camera without views, or whose views have other points than the symmetry. */
 static void test_a_camera_that_has_nothing_to_turn(void)
 {
     rigcal_cause cause;

@@ -1,5 +1,5 @@
-/* chain: a view as camera times placement. The truth is numerical differences of the
- * product in double, and full matrices written out. */
+/* chain: a view as camera times placement. The truth is made by difference quotients of the
+ * product in double, and with full matrices. */
 #include <math.h>
 #include <string.h>
 
@@ -9,7 +9,7 @@
 #define STEP TOL(1e-6, 2e-2)
 #define TOL_SLOPE TOL(2e-9, 3e-3)
 
-/* Column k of the derivative of cam_from_rig * rig_from_placement, by a step of one. */
+/* Column k of the derivative of cam_from_rig * rig_from_placement, from a unit step. */
 static void slope(double column[6], const rigcal_transform *C, const rigcal_transform *P,
                   int of_camera, int k)
 {
@@ -71,8 +71,8 @@ static void times(double out[6], const double M[36], const double g[6])
     }
 }
 
-/* Where rc_linalg.h keeps the element: the first block, the block across, the second one.
- * */
+/* The index of an element in the form of rc_linalg.h: the first block, the block across,
+ * the second block. */
 static int packed_at(int row, int column)
 {
     static const int BLOCK[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
@@ -83,7 +83,7 @@ static int packed_at(int row, int column)
     return RC_SYM6_ACROSS + (row < 3 ? 3 * row + column - 3 : 3 * column + row - 3);
 }
 
-/* A chain at random with g and H of which H is not near to a multiple of 1. */
+/* A random chain with g and H. H is not close to a multiple of the identity. */
 typedef struct {
     rigcal_transform C, P;
     rigcal_real g[6], H[21];
@@ -149,7 +149,7 @@ static void test_equations_of_a_placement_are_those_of_differences(void)
         between(H_true, p.B, p.H_full, p.B);
         ASSERT_ARRAY_NEAR(g_true, g, 6, 10 * TOL_SLOPE);
         assert_packed(H_true, H, 30 * TOL_SLOPE);
-        /* They are added to what is there. */
+        /* The results are added to what was there. */
         rc_chain_add_placement(g, H, &chain, p.g, p.H);
         for (int k = 0; k < 36; k++) {
             H_true[k] *= 2;

@@ -1,5 +1,5 @@
-/* chance: quantiles against SciPy's, odds against an integral over the noise, expected sets
- * against binomial coefficients and against draws that are counted. */
+/* chance: quantiles compared with SciPy's; odds with an integral over the noise; expected
+ * sets with binomial coefficients, and with random draws that are counted. */
 #include <math.h>
 
 #include "rc_chance.h"
@@ -20,7 +20,7 @@ static void test_a_pose_takes_six_degrees_of_freedom_and_leaves_one_at_least(voi
 
 /* ---- chi squared ----------------------------------------------------------- */
 
-/* The approximation is off by a part that falls as 1 / freedom. */
+/* The relative error of the approximation falls as 1 / freedom. */
 static void test_the_limit_is_the_quantile_of_chi_squared(void)
 {
     for (int k = 0; k < CHANCE_CHI2_ROWS; k++) {
@@ -63,8 +63,8 @@ static void test_a_limit_of_two_deviations_is_exceeded_in_2_3_percent_of_draws(v
 
 /* ---- odds ------------------------------------------------------------------ */
 
-/* A series of 8 terms of a 256th part p of the exponent leaves p^9 / 9! of it, and some
- * more. In float the sums are rounded too, by 1e-5 of an exponent. */
+/* A series of 8 terms for a 256th part p of the exponent has an error of about p^9 / 9!. In
+ * float the sums are rounded too, by 1e-5 of an exponent. */
 static void test_odds_with_known_noise_are_the_ratio_of_normal_likelihoods(void)
 {
     test_rng rng = test_seed(32);
@@ -106,23 +106,25 @@ static void test_odds_with_unknown_noise_are_integrated_over_it(void)
         for (double ratio = 0.5; ratio < 10; ratio *= 3) {
             const double sse = 50, other = ratio * sse;
             const double exact = exp(log_evidence(sse, n) - log_evidence(other, n));
-            /* The least noise adds 1e-4 (2 n - 6) to each sum: below 4e-5 of it. */
+            /* The least noise adds 1e-4 (2 n - 6) to each sum, which is below 4e-5 of
+             * it. */
             ASSERT_NEAR(exact, rc_odds(RC(sse), RC(other), 0, 1, (size_t)n),
                         exact * (n - 3) * 1e-4);
         }
     }
 }
 
-/* 0.01 pixels of noise are believed at least, so sums far below that say nothing. */
+/* The noise is taken as 0.01 pixels at least, so sums far below that show nothing. */
 static void test_sums_below_the_least_noise_are_no_evidence(void)
 {
     const rigcal_real tiny = RC(1e-12);
     ASSERT_NEAR(1, rc_odds(0, 0, 0, 1, 10), 0);
     ASSERT_NEAR(1, rc_odds(0, tiny, 0, 1, 10), 1e-6);
     ASSERT_NEAR(1, rc_odds(tiny, 0, 0, 1, 10), 1e-6);
-    /* freedom 14: the noise makes 14e-4 of nothing, and twice that of as much again */
+    /* 14 degrees of freedom: the least noise gives 14e-4 to the sum 0, and twice that to
+     * this sum */
     ASSERT_NEAR(128, rc_odds(0, RC(14e-4), 0, 1, 10), 128 * TOL(1e-12, 1e-5));
-    /* of pixels a hundredth as large, a ten thousandth */
+    /* with pixels a hundredth as large: a ten-thousandth */
     ASSERT_NEAR(128, rc_odds(0, RC(14e-8), 0, RC(0.01), 10), 128 * TOL(1e-12, 1e-5));
 }
 
@@ -176,8 +178,8 @@ static void test_expected_sets_are_binomial(void)
     }
 }
 
-/* One pose of each triple: half of what is expected with two. The other points agree by a
- * draw of their own. */
+/* One pose for each triple gives half of what is expected with two. Each other point agrees
+ * by its own random draw. */
 static void test_expected_sets_are_the_mean_of_draws(void)
 {
     enum { N = 7, COUNT = 5, DRAWS = 4000 };
@@ -209,7 +211,7 @@ static void test_expected_sets_are_clipped_and_not_infinite(void)
     ASSERT_NEAR(1000.0 * 999 * 998 / 3, rc_expected_sets(1000, 3, 0), TOL(0, 40));
 }
 
-/* Of very many points the number rises far above the clip before it falls. */
+/* For very many points the number rises far above the clip before it falls. */
 static void test_expected_sets_are_not_clipped_on_the_way(void)
 {
     enum { MANY = 10000, COUNT = 290 };
@@ -224,7 +226,7 @@ static void test_expected_sets_are_not_clipped_on_the_way(void)
 
 /* ---- the F distribution ----------------------------------------------------- */
 
-/* F, its degrees of freedom, and the tail as scipy.stats.f.sf has it. */
+/* F, its degrees of freedom, and the tail by scipy.stats.f.sf. */
 static void test_the_tail_of_F_is_that_of_scipy(void)
 {
     static const double TAILS[9][4] = {
@@ -244,8 +246,8 @@ static void test_the_tail_of_F_is_that_of_scipy(void)
     ASSERT_NEAR(1, rc_f_tail(RC(TOL(1e-310, 1e-40)), 3, 4000), 0); /* 1 / F overflows */
 }
 
-/* Half, by symmetry. In double the steps of the fraction suffice for 1e-5; in float
- * rounding leaves nothing but a chance. */
+/* It is half, by symmetry. In double the steps of the fraction are enough for 1e-5. In
+ * float rounding leaves only some number between 0 and 1. */
 static void test_of_very_many_degrees_of_freedom_the_tail_is_a_chance(void)
 {
     if (!RIGCAL_USE_FLOAT) {

@@ -1,5 +1,5 @@
-/* choose: claims about one transform, and the one that the others support. The truth:
- * NumPy, and distances by hand. */
+/* choose: claims about one transform, and the claim that the others support. The truth is
+ * made with NumPy, and with distances by hand. */
 #include <math.h>
 #include <string.h>
 
@@ -42,7 +42,7 @@ static rigcal_view_pose golden(int camera, int placement, int candidate)
     return pose_of(CHOICE_POSE[0]);
 }
 
-/* Camera 1 from camera 0 by a placement. */
+/* The claim about camera 1 from camera 0 by one placement. */
 static rc_claim hypothesis(int placement, int number)
 {
     const rigcal_view_pose a = golden(0, placement, number / 2);
@@ -88,7 +88,8 @@ static rc_claim claim_at(const double d[6], const double sd[6], int view, int ca
     return claim;
 }
 
-/* Each error over its own standard deviation, both claims' variances added. */
+/* Each error is divided by its own standard deviation, and the variances of both claims are
+ * added. */
 static void test_distance_of_independent_errors(void)
 {
     static const double origin[6] = {0, 0, 0, 1, 2, 3};
@@ -109,8 +110,8 @@ static void test_distance_of_independent_errors(void)
     }
 }
 
-/* A claim that is sure of one point, and not of its turn, says little far from it: at a
- * lever of 10 a turn of 0.1 is a shift of 1. */
+/* A claim that knows one point exactly, but not its turn, says little far from that point:
+ * at a lever of 10 a turn of 0.1 is a shift of 1. */
 static void test_a_lever_makes_a_turn_a_shift(void)
 {
     static const double origin[6] = {0, 0, 0, 0, 0, 0};
@@ -119,7 +120,7 @@ static void test_a_lever_makes_a_turn_a_shift(void)
     rc_claim p = claim_at(origin, sd, 0, 0), q = claim_at(shifted, sd, 1, 0);
 
     ASSERT_NEAR(0.25 / 2e-4, rc_claims_apart(&p, &q), TOL(1e-8, 1e-2));
-    q.pivot[0] = 10; /* d = (0, dy) at p; of q cov(wz, dy) = -10 wz^2 there */
+    q.pivot[0] = 10; /* d = (0, dy) at p; for q cov(wz, dy) = -10 wz^2 there */
     {
         /* by hand: S = (2 w^2, -10 w^2; -10 w^2, 2 s^2 + 100 w^2), d = (0, 0.5) */
         const double ww = 0.01, ss = 1e-4,
@@ -129,7 +130,7 @@ static void test_a_lever_makes_a_turn_a_shift(void)
     }
 }
 
-/* Where a camera stands is as if known, if its covariance is 0. */
+/* With covariance 0 the pose of a camera counts as exact. */
 static void test_a_placement_from_a_view(void)
 {
     test_rng rng = test_seed(511);
@@ -153,7 +154,7 @@ static void test_a_placement_from_a_view(void)
         for (int k = 0; k < 21; k++) {
             ASSERT_NEAR(D(alone.Sigma[k]), placed.Sigma[k], TOL(1e-15, 1e-7));
         }
-        /* the traces of both blocks do not depend on the axes */
+        /* the traces of both blocks are the same in all axes */
         ASSERT_NEAR(D(view.Sigma[0] + view.Sigma[3] + view.Sigma[5]),
                     placed.Sigma[0] + placed.Sigma[3] + placed.Sigma[5], TOL(1e-12, 1e-6));
         ASSERT_NEAR(D(view.Sigma[15] + view.Sigma[18] + view.Sigma[20]),
@@ -162,7 +163,7 @@ static void test_a_placement_from_a_view(void)
     }
 }
 
-/* Views 0 and 2 have one claim each, view 1 two, of which the second agrees. */
+/* Views 0 and 2 have one claim each. View 1 has two, of which the second agrees. */
 static void test_the_others_choose(void)
 {
     static const double here[6] = {0, 0, 0, 0, 0, 5}, there[6] = {0.5, 0, 0, 0, 0, 5};
@@ -185,25 +186,25 @@ static void test_the_others_choose(void)
     TEST_ASSERT_EQUAL_UINT8(1, takes[1]);
     TEST_ASSERT_EQUAL_UINT8(0, takes[2]);
     TEST_ASSERT_EQUAL_UINT8(9, takes[3]);
-    /* what it costs: the distance of view 1, and that it fits less */
+    /* its cost: the distance of view 1, plus what it fits worse */
     rc_choose_support(&support, takes, claims, 4, 0, 30);
     ASSERT_NEAR(D(rc_claims_apart(&claims[0], &claims[2])) + 0.5, support.cost,
                 TOL(1e-12, 1e-6));
-    /* view 3 stands alone, and costs the limit */
+    /* view 3 has no support, and costs the limit */
     rc_choose_support(&support, takes, claims, 5, 0, 30);
     TEST_ASSERT_EQUAL_UINT8(2, takes[3]);
     TEST_ASSERT_EQUAL_INT32(3, support.agree);
     TEST_ASSERT_EQUAL_INT32(4, support.n);
     ASSERT_NEAR(D(rc_claims_apart(&claims[0], &claims[2])) + 30.5, support.cost,
                 TOL(1e-12, 1e-5));
-    /* the first of view 1 has view 3 with it, and loses to the two others */
+    /* view 3 supports the first claim of view 1, which loses to the two other claims */
     rc_choose_support(&support, takes, claims, 5, 1, 30);
     TEST_ASSERT_EQUAL_INT32(2, support.agree);
     TEST_ASSERT_EQUAL_UINT8(0, takes[1]);
 }
 
-/* Both poses of view 0 are near to each other, and the first fits better: the claim by the
- * second takes the second all the same. */
+/* Both poses of view 0 are close to each other, and the first fits better. The claim by the
+ * second pose still takes the second. */
 static void test_a_claim_takes_its_own_pose(void)
 {
     static const double here[6] = {0, 0, 0, 0, 0, 5}, near[6] = {0.001, 0, 0, 0, 0, 5};
@@ -233,7 +234,7 @@ static void test_two_views_cost_what_both_do(void)
     ASSERT_NEAR(5, between.extra, 0);
 }
 
-/* Of two that disagree the surer one, in either order. */
+/* Of two claims that disagree, the one with less variance wins, in either order. */
 static void test_ties_go_to_the_surer(void)
 {
     static const double here[6] = {0, 0, 0, 0, 0, 5}, there[6] = {0.5, 0, 0, 0, 0, 5};

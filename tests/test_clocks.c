@@ -1,5 +1,6 @@
-/* clocks: the cameras' clocks as unknowns of the adjustment. The truth: paths of a hand
- * with cameras that are late by known times, and dense least squares of the same model. */
+/* clocks: the cameras' clocks as unknowns of the adjustment. The truth is made with paths
+ * of a hand and cameras that are late by known times, and with dense least squares of the
+ * same model. */
 #include <math.h>
 #include <string.h>
 
@@ -126,7 +127,7 @@ enum {
 
 static double H[DENSE][DENSE], g[DENSE];
 
-/* d of the curve through placement f and all others of its run, Lagrange's. */
+/* The d of the curve through placement f and all others of its run, in Lagrange's form. */
 static void curve(double d[6], int f, double after, int frames)
 {
     const int first = f / frames * frames;
@@ -169,8 +170,8 @@ static rigcal_transform moved(const rigcal_transform *T, const double d[6])
     return test_transform(out, t);
 }
 
-/* The residuals of view v, its unknowns moved by x. The curve about its placement is moved
- * as a whole; it does not bend. */
+/* The residuals of view v after its unknowns moved by x. The curve about its placement
+ * moves as a whole; its shape does not change. */
 static void residuals(double e[2 * MOTION_POINTS], size_t v, const double x[LOCAL],
                       int frames)
 {
@@ -196,7 +197,7 @@ static void residuals(double e[2 * MOTION_POINTS], size_t v, const double x[LOCA
     }
 }
 
-/* Adds it to H and g; of[k]: the unknown that its unknown k is, or -1. */
+/* Adds the view to H and g. of[k] is the global number of its unknown k, or -1. */
 static double add_dense(size_t v, const int of[LOCAL], int frames)
 {
     const double h = 1e-5;
@@ -213,7 +214,7 @@ static double add_dense(size_t v, const int of[LOCAL], int frames)
         residuals(low, v, x, frames);
         x[k] = 0;
         for (int i = 0; i < 2 * MOTION_POINTS; i++) {
-            J[k][i] = (low[i] - J[k][i]) / (2 * h); /* of the projection */
+            J[k][i] = (low[i] - J[k][i]) / (2 * h); /* derivative of the projection */
         }
     }
     for (int i = 0; i < 2 * MOTION_POINTS; i++) {
@@ -230,7 +231,7 @@ static double add_dense(size_t v, const int of[LOCAL], int frames)
     return sum;
 }
 
-/* H <- H^-1 of its first n. */
+/* Replaces the first n rows and columns of H by their inverse. */
 static void invert(int n)
 {
     for (int p = 0; p < n; p++) {
@@ -254,9 +255,9 @@ static void invert(int n)
     }
 }
 
-/* The rest of the way to the dense minimum, in sigmas of each unknown; and the covariances
- * of cameras and clocks. own: the sigma of a view's own time, over that of a pixel; 0: it
- * has none. */
+/* Compares with the dense minimum: the remaining step in sigmas of each unknown, and the
+ * covariances of cameras and clocks. own: the sigma of a view's own time over that of a
+ * pixel; 0: it has none. */
 static void expect_dense_minimum(int frames, double own, double step_limit,
                                  double sigma_limit)
 {
@@ -327,7 +328,8 @@ static void test_the_answer_is_the_dense_minimum(void)
         scene.runs = trial % 2 == 0 ? 2 : 1;
         make(&scene, 50 + (uint64_t)trial);
         ASSERT_STATUS(RIGCAL_OK, adjust(&fit));
-        /* the ends of a run of five follow the noise of their neighbours a step behind */
+        /* the ends of a run of five follow the noise of their neighbours with a lag of one
+         * step */
         expect_dense_minimum(scene.frames, 0, scene.frames > 3 ? 0.25 : TOL(0.12, 0.2),
                              TOL(0.01, 0.05));
     }
@@ -350,7 +352,8 @@ static void test_the_answer_with_drifts_is_the_dense_minimum(void)
 
 /* ---- noise of stamps ------------------------------------------------------ */
 
-/* It is as if each view had a time of its own with that sigma. */
+/* Noise of stamps has the same effect as a time of each view as an unknown with that
+ * sigma. */
 static void test_noise_of_stamps_is_a_free_time_of_each_view(void)
 {
     rigcal_rig_fit fit;
@@ -382,7 +385,7 @@ static void test_stamps_with_noise_leave_the_noise_of_pixels(void)
         ASSERT_STATUS(RIGCAL_OK, adjust(&fit));
         without += D(fit.sigma_px) / TEST_TRIALS(8);
         test_motions_reset(&m);
-        m.clocks.sigma_time = RC(0.004); /* sigma_px: of the views by themselves */
+        m.clocks.sigma_time = RC(0.004); /* sigma_px is that of the views by themselves */
         ASSERT_STATUS(RIGCAL_OK, adjust(&fit));
         with += D(fit.sigma_px) / TEST_TRIALS(8);
     }
@@ -390,7 +393,7 @@ static void test_stamps_with_noise_leave_the_noise_of_pixels(void)
     ASSERT_NEAR(0.3, with, TEST_ONE_IN > 1 ? 0.02 : 0.009);
 }
 
-/* The stamps of single views, where they are known, are better than one of all. */
+/* Known stamps of single views are better than one stamp for all. */
 static void test_the_stamp_of_a_view_counts(void)
 {
     rigcal_rig_fit fit;
@@ -407,7 +410,7 @@ static void test_the_stamp_of_a_view_counts(void)
     m.clocks.view_times = m.view_times;
     ASSERT_STATUS(RIGCAL_OK, adjust(&fit));
     ASSERT_NEAR(1, fit.F, 0.6);
-    m.view_times[4] = TEST_NAN; /* then it has that of its placement */
+    m.view_times[4] = TEST_NAN; /* an unknown stamp is that of the placement */
     m.view_times[7] = TEST_INF;
     ASSERT_STATUS(RIGCAL_OK, adjust(&fit));
 }
@@ -437,7 +440,7 @@ static void test_clocks_of_a_target_that_stands_still_are_held(void)
     scene.speed = scene.turn = 0;
     make(&scene, 100);
     expect_held(RIGCAL_CLOCK_STILL);
-    scene.speed = 0.001; /* a hundredth of a pixel a frame */
+    scene.speed = 0.001; /* a hundredth of a pixel in a frame */
     make(&scene, 101);
     expect_held(RIGCAL_CLOCK_STILL);
 }
@@ -459,7 +462,7 @@ static void test_clocks_of_single_pictures_are_held(void)
     expect_held(RIGCAL_CLOCK_ALONE);
 }
 
-/* A clock that is known is not an unknown, and the others are counted from it. */
+/* A known clock is not an unknown, and the other clocks are relative to it. */
 static void test_a_clock_that_is_known_is_held(void)
 {
     const uint8_t held[3] = {0, 0, 1};
@@ -479,7 +482,7 @@ static void test_a_clock_that_is_known_is_held(void)
     ASSERT_NEAR(1, fit.F, 0.6);
 }
 
-/* No drift is an unknown here. */
+/* Here no drift is estimated. */
 static void test_drifts_that_are_held_are_exact(void)
 {
     const uint8_t held[3] = {0, 0, 1};
@@ -497,7 +500,7 @@ static void test_drifts_that_are_held_are_exact(void)
     }
 }
 
-/* A camera without views has a clock that is as it was. */
+/* The clock of a camera without views does not change. */
 static void test_the_clock_of_a_camera_without_views_is_left_alone(void)
 {
     rigcal_rig_fit fit;
@@ -547,7 +550,7 @@ static void test_what_is_left_is_of_views_at_their_times(void)
     }
 }
 
-/* Clocks that differ look like wrong views, and do not where they are known. */
+/* Clocks that differ look like wrong views. If they are known, they do not. */
 static void test_no_view_is_named_for_its_clock(void)
 {
     static rigcal_judged_view judged[MOTION_VIEWS_MAX];
@@ -614,7 +617,7 @@ static void test_the_bits_are_those_of_any_budget(void)
 
 /* ---- what is handed in ----------------------------------------------------- */
 
-/* A placement that nobody saw has no instant. */
+/* A placement that nobody saw has no time. */
 static void test_a_placement_without_views_has_no_instant(void)
 {
     rigcal_rig_fit fit;
@@ -629,8 +632,8 @@ static void test_a_placement_without_views_has_no_instant(void)
     TEST_ASSERT_TRUE(D(m.instants[f - 1]) < TOL(1e30, 1e9));
 }
 
-/* Views of three points fit whatever the noise: how noisy stamps are beside pixels is not
- * known. */
+/* Views of three points fit with any noise, so the ratio of the noises of stamps and pixels
+ * is unknown. */
 static void test_without_the_noise_of_pixels_stamps_have_no_weight(void)
 {
     rigcal_rig_fit fit;
@@ -649,8 +652,8 @@ static void test_without_the_noise_of_pixels_stamps_have_no_weight(void)
     ASSERT_STATUS(RIGCAL_OK, adjust(&fit));
 }
 
-/* A search that ends although its last step promised much has not converged, if a clock is
- * free; one that ends with another status keeps that. */
+/* A search that ends although its last step promised much has not converged if a clock is
+ * free. If it ends with another status, it keeps that status. */
 static void test_a_search_that_promised_more_has_not_converged(void)
 {
     WANTS_MOTIONS();
@@ -664,7 +667,7 @@ static void test_a_search_that_promised_more_has_not_converged(void)
         ASSERT_STATUS(RIGCAL_OK, rigcal_rig_begin(&solver, &m.rig));
         while (rigcal_rig_step(&solver, 1) == RIGCAL_RUNNING) {
             if (way == 3 && solver.evals == 1) {
-                solver.evals = 200; /* all are spent */
+                solver.evals = 200; /* all evaluations are spent */
             }
             if (way != 1 && solver.search.status != RIGCAL_RUNNING) {
                 solver.promised = RC(1e9);
@@ -707,7 +710,7 @@ static void test_what_is_handed_in_is_checked(void)
     ASSERT_STATUS(RIGCAL_ERR_NULL, adjust(&fit));
 }
 
-/* The memory that the macro says is enough, and what is less is refused. */
+/* The memory that the macro states is enough; less is refused. */
 static void test_the_memory_is_as_the_manual_says(void)
 {
     rigcal_rig_fit fit;

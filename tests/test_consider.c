@@ -1,6 +1,6 @@
-/* consider: what intrinsics that are not exact add to the covariances of a rig. The truth
- * is dense least squares in double, by differences of the projection: the rows of all
- * poses, and those of the intrinsics; and the adjustment itself with other intrinsics. */
+/* consider: what inexact intrinsics add to the covariances of a rig. The truth is dense
+ * least squares in double, by differences of the projection, with the rows of all poses and
+ * of the intrinsics; and also the adjustment itself with other intrinsics. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -13,7 +13,7 @@
 enum {
     CAMERAS = 4,
     PLACES = 5,
-    BY = 6, /* of a camera: focal, aspect, cx, cy, k1, k2 */
+    BY = 6, /* numbers of a camera: focal, aspect, cx, cy, k1, k2 */
     POSES = 6 * (CAMERAS + PLACES),
     COLUMNS = BY * CAMERAS,
     WORK = RIGCAL_CONSIDER_WORK(CAMERAS, CAMERAS)
@@ -76,8 +76,8 @@ static void make(uint64_t seed)
     considered = (rigcal_considered){.effects = effects, .capacity = WORK};
 }
 
-/* The covariance of an adjustment is of the poses before its last step: from the optimum
- * these are the same, so it is adjusted again. */
+/* An adjustment computes its covariance at the poses before its last step. From the optimum
+ * these are the same, so the rig is adjusted again. */
 static void adjust(void)
 {
     rigcal_rig_fit fit;
@@ -136,7 +136,7 @@ static rigcal_camera changed(const rigcal_camera *camera, int which, double step
     return c;
 }
 
-/* Pixel of point i of a view, its camera's and its placement's pose moved. */
+/* The pixel of point i of a view, after its camera and placement moved. */
 static void pixel(double uv[2], const rigcal_rig_view *v, int i, const rigcal_camera *lens,
                   const double d_camera[6], const double d_place[6])
 {
@@ -152,7 +152,7 @@ static void pixel(double uv[2], const rigcal_rig_view *v, int i, const rigcal_ca
     test_project_px(uv, lens, X_c);
 }
 
-/* M = J^T J and B = J^T D over all poses; the first `fixed` cameras have no unknowns. */
+/* M = J^T J and B = J^T D over all poses. The first `fixed` cameras have no unknowns. */
 static double M[POSES][POSES + COLUMNS];
 
 static void add_point(const rigcal_rig_view *v, int i, int fixed)
@@ -195,7 +195,7 @@ static void add_point(const rigcal_rig_view *v, int i, int fixed)
     }
 }
 
-/* The effects of all deviations on all poses, in the last columns of M. */
+/* Solves for the effects of all deviations on all poses, in the last columns of M. */
 static void solve_dense(int fixed)
 {
     memset(M, 0, sizeof M);
@@ -207,7 +207,7 @@ static void solve_dense(int fixed)
     for (int a = 0; a < 6 * fixed; a++) {
         M[a][a] = 1;
     }
-    for (int c = 0; c < CAMERAS; c++) { /* of a prior, sigma_px^2 Sigma^-1 */
+    for (int c = 0; c < CAMERAS; c++) { /* information of a prior, sigma_px^2 Sigma^-1 */
         for (int k = 0; k < 6 && r.roles[c] == RIGCAL_CAMERA_PRIOR; k++) {
             const double v = D(r.rig.sigma_px) * D(r.rig.sigma_px);
 
@@ -230,7 +230,7 @@ static void solve_dense(int fixed)
     }
 }
 
-/* Adds v v^T of each column, where v is what one deviation does. */
+/* Adds v v^T for each column, where v is the effect of one deviation. */
 static void spread(double Sigma[36], int row_a, int row_b)
 {
     memset(Sigma, 0, 36 * sizeof *Sigma);
@@ -290,7 +290,7 @@ static void assert_part(const double expected[36], const rigcal_real seen[36], d
 
 #define PART TOL(2e-7, 2e-3)
 
-/* Of sigma_px 0 that is all there is of a covariance. */
+/* With sigma_px 0 the covariance has only this part. */
 static void assert_all(int fixed)
 {
     double expected[36];
@@ -388,7 +388,8 @@ static void test_other_intrinsics_move_the_adjusted_rig_by_the_effects(void)
 
         memcpy(before, r.cams, sizeof before);
         memcpy(foretold, &effects[column], considered.n * sizeof *foretold);
-        /* A larger camera is the truth where the smaller one is taken for it. */
+        /* If a smaller camera is assumed than the true one, the error is that of a larger
+         * one. */
         r.camera[k / BY] = changed(&kept, k % BY, -sigma_of(k));
         adjust();
         for (int c = 1; c < CAMERAS; c++) {
@@ -458,7 +459,7 @@ static void make_moving(int has_drifts, double stamp)
     adjust_moving();
 }
 
-/* By how much the cameras move with a smaller lens, less what was foretold; part of it. */
+/* The move of the cameras with a smaller lens, minus the predicted one, as a part of it. */
 static double surprise(int camera, int which)
 {
     const rigcal_camera kept = lens[camera];
@@ -494,8 +495,8 @@ static void test_intrinsics_act_through_clocks_too(void)
         for (int which = 0; which < BY; which += 2) {
             const double off = surprise(which % 3, which);
 
-            /* The weight of a stamp's noise is by the motion, which lags by a step: its own
-             * derivative is not in the equations of the adjustment. */
+            /* The weight of a stamp's noise depends on the motion, which lags by one step.
+             * Its derivative is not in the equations of the adjustment. */
             ASSERT_NEAR(0, off, (k == 2) ? 0.1 : TOL(0.02, 0.2));
         }
     }
@@ -503,8 +504,8 @@ static void test_intrinsics_act_through_clocks_too(void)
     ASSERT_STATUS(RIGCAL_ERR_CAPACITY, rigcal_rig_consider(&considered, NULL, &moving.rig));
 }
 
-/* Of a lens of one camera alone: the variance of a placement is what a smaller lens moves
- * it by. */
+/* With the lens of one camera alone, the variance of a placement is the effect of a smaller
+ * lens. */
 static void test_intrinsics_act_on_placements_of_a_rig_with_clocks(void)
 {
     TEST_ON_HOST_ONLY("a rig of 60 views is adjusted");
@@ -534,12 +535,12 @@ static void test_intrinsics_act_on_placements_of_a_rig_with_clocks(void)
     }
 }
 
-/* More steps than are taken at once. */
+/* More steps than one call takes. */
 static void test_many_steps_are_taken(void)
 {
     TEST_WANTS_RAM(1000000); /* a rig of 72 views */
     make_moving(0, 0);
-    for (int p = 0; p < 4; p++) { /* the last run twice, some time later */
+    for (int p = 0; p < 4; p++) { /* the last run a second time, later */
         const int from = 16 + p, to = 20 + p;
 
         moving.places[to] = moving.places[from];
@@ -628,7 +629,7 @@ static void test_pixels_and_intrinsics_are_added(void)
             ASSERT_NEAR(D(plain.camera[c][k]) + D(alone.camera[c][k]), with.camera[c][k],
                         TOL(1e-12, 1e-5) * sqrt(size));
         }
-        /* The rig that is taken has the same, in its joint covariance too. */
+        /* A rig that was taken over has the same, also in its joint covariance. */
         TEST_ASSERT_EQUAL_MEMORY(with.mounted[c].Sigma, with.camera[c],
                                  sizeof with.camera[c]);
     }
@@ -730,14 +731,14 @@ static void test_a_view_that_has_changed_is_told(void)
     WANTS;
     make(7342);
     adjust();
-    r.o[8][3].uv[1] = TEST_NAN; /* of view 7, as one is missing before it */
+    r.o[8][3].uv[1] = TEST_NAN; /* index of view 7, because a view before it is missing */
     ASSERT_STATUS(RIGCAL_ERR_NOT_FINITE,
                   rigcal_rig_consider(&considered, &at_fault, &r.rig));
     TEST_ASSERT_EQUAL_INT32(7, at_fault);
     TEST_ASSERT_NULL(r.rig.considered);
 }
 
-/* Views of placement 0 change after the rig was considered. */
+/* Views of placement 0 change after the intrinsics were considered. */
 static void test_a_placement_that_has_changed_has_no_covariance(void)
 {
     rigcal_real Sigma[36];
@@ -751,11 +752,11 @@ static void test_a_placement_that_has_changed_has_no_covariance(void)
     r.o[1][3].uv[1] = TEST_NAN; /* of its second view */
     ASSERT_REFUSED(RIGCAL_ERR_NOT_FINITE, Sigma, rigcal_rig_placement(Sigma, &r.rig, 1, 0));
     r.o[1][3].uv[1] = kept;
-    sigmas[1].k1 = 0; /* a column less than was considered */
+    sigmas[1].k1 = 0; /* one column less than was considered */
     ASSERT_REFUSED(RIGCAL_ERR_STATE, Sigma, rigcal_rig_placement(Sigma, &r.rig, 1, 0));
     sigmas[1].k1 = RC(0.01);
     ASSERT_STATUS(RIGCAL_OK, rigcal_rig_placement(Sigma, &r.rig, 1, 0));
-    for (int v = 0; v < CAMERAS; v++) { /* all see one point only */
+    for (int v = 0; v < CAMERAS; v++) { /* all views see only one point */
         for (int i = 1; i < r.n_points; i++) {
             r.o[v][i] = r.o[v][0];
         }

@@ -1,4 +1,4 @@
-/* cost: what a view of an adjusted rig costs. The truth: its placement adjusted again
+/* cost: what a view of an adjusted rig costs. The truth: its placement is adjusted again
  * without the view, by the test's own least squares. */
 #include <string.h>
 
@@ -13,7 +13,7 @@ static const double LIMIT = 40;
 
 static test_boards b;
 
-/* Sum of squared errors of the placement's views but one, where d moves it. */
+/* Sum of squared errors of all views of the placement but one, after a move d. */
 static double sum_without(const rigcal_transform *placement, int f, size_t without)
 {
     double sum = 0;
@@ -31,7 +31,7 @@ static double sum_without(const rigcal_transform *placement, int f, size_t witho
     return sum;
 }
 
-/* The least of that, by Newton's steps with derivatives by differences. */
+/* The minimum of that sum, by Newton's steps with difference quotients. */
 static double least_without(const rigcal_transform *placement, int f, size_t without)
 {
     static const double H = 1e-4;
@@ -43,7 +43,8 @@ static double least_without(const rigcal_transform *placement, int f, size_t wit
 
         memcpy(R_0, at, sizeof at);
         memcpy(t_0, t_at, sizeof t_at);
-        for (int i = 0; i < 13; i++) { /* 0; then e_k, -e_k; and with another */
+        for (int i = 0; i < 13; i++) { /* the point 0; then e_k and -e_k; and with a second
+                                          one */
             for (int j = 0; j <= i; j++) {
                 double R[9], t[3], d[6] = {0, 0, 0, 0, 0, 0};
 
@@ -113,8 +114,8 @@ static void test_a_view_costs_what_the_sum_falls_by_without_it(void)
     }
 }
 
-/* Of noise alone the mean of the costs is that of chi squared with 6 degrees of freedom for
- * each cycle that the views close, shared among them. */
+/* With noise alone, the mean of the costs is that of chi squared with 6 degrees of freedom
+ * for each cycle that the views close, shared among the views. */
 static void test_costs_of_noise_are_chi_squared(void)
 {
     double sum = 0, cycles = 0;
@@ -171,9 +172,9 @@ static void test_placements_without_views_cost_nothing(void)
     }
 }
 
-/* Points of the board are behind camera 3, and it is beside camera 2: their views of it are
- * of another placement. They are left out; that of camera 3 has no error where it is said
- * to be. */
+/* Points of the board are behind camera 3, which is beside camera 2: their views have the
+ * pixels of another placement, and are left out. That of camera 3 has no error at the
+ * stated place. */
 static void test_a_view_of_what_is_behind_its_camera_has_no_error(void)
 {
     enum { F = 5 };
@@ -186,7 +187,7 @@ static void test_a_view_of_what_is_behind_its_camera_has_no_error(void)
     const rigcal_transform rig_from_last = test_inverse(&b.true_cams[3]);
     test_to_double(centre, rig_from_last.t, 3);
     test_to_double(middle, b.true_places[0].t, 3);
-    b.true_places[F] = test_inverse(&b.true_cams[0]); /* turned to camera 0 */
+    b.true_places[F] = test_inverse(&b.true_cams[0]); /* turned towards camera 0 */
     for (int k = 0; k < 3; k++) {
         b.true_places[F].t[k] = RC(centre[k] + 0.08 * (centre[k] - middle[k]));
     }

@@ -31,7 +31,7 @@ static void make(problem *p, test_rng *rng, int n, test_shape shape)
     }
 }
 
-/* Moves the pixel of a point by so much, any way. */
+/* Moves the pixel of a point by this much, in a random direction. */
 static void spoil(problem *p, test_rng *rng, int i, double by_px)
 {
     const double angle = test_uniform(rng, 0, 2 * TEST_PI);
@@ -66,7 +66,8 @@ static int diagnose(problem *p, const rigcal_pose_options *options)
 
 /* ---- one point ----------------------------------------------------------- */
 
-/* How often of 100 the right point is surely blamed, and never another. */
+/* The number of 100 scenes in which the right point is surely blamed. Another point must
+ * never be. */
 static int surely_blamed(int n, double by_px, const rigcal_pose_options *options,
                          uint64_t seed)
 {
@@ -99,7 +100,8 @@ static void test_the_wrong_point_is_blamed(void)
     TEST_ASSERT_GREATER_THAN_INT(95, surely_blamed(8, 30, &known, 5));
 }
 
-/* Five points with the noise unknown hardly ever tell; with it known often. */
+/* With unknown noise, five points hardly ever show the wrong one. With known noise they
+ * often do. */
 static void test_five_points_tell_little(void)
 {
     const rigcal_pose_options known = stated(NOISE);
@@ -110,7 +112,8 @@ static void test_five_points_tell_little(void)
     TEST_ASSERT_GREATER_THAN_INT(unknown, surely_blamed(5, 30, &known, 6));
 }
 
-/* The bound on the chance holds: of right data one in a hundred is blamed at most. */
+/* The bound on the chance holds: of data without a wrong point, at most one in a hundred
+ * gets blame. */
 static void test_noise_is_seldom_blamed(void)
 {
     const rigcal_pose_options known = stated(NOISE);
@@ -130,7 +133,7 @@ static void test_noise_is_seldom_blamed(void)
     TEST_ASSERT_LESS_OR_EQUAL_INT(70, likely);
 }
 
-/* Every number against the fits that it stands for. */
+/* Compares each number with the fits that it stands for. */
 static void test_numbers_are_those_of_the_fits(void)
 {
     test_rng rng = test_seed(8);
@@ -175,7 +178,7 @@ static void test_numbers_are_those_of_the_fits(void)
 
 /* ---- no pose of all points ------------------------------------------------ */
 
-/* Pixels at random, of which no pose is. */
+/* Random pixels, for which there is no pose. */
 static void test_points_without_a_pose_have_no_rms(void)
 {
     test_rng rng = test_seed(14);
@@ -211,8 +214,9 @@ static void test_points_without_a_pose_have_no_rms(void)
     TEST_ASSERT_TRUE(TEST_ONE_IN > 1 || (n_blamed > 0 && n_blamed < n_found));
 }
 
-/* Points on a long line 1 ahead, and one at a distance r from it that moves along its own
- * ray when the target turns about the line: where the ray touches its circle. */
+/* Points on a long line at a distance of 1, and a point at a distance r from the line. If
+ * the target turns about the line, that point moves along its own ray: the ray touches its
+ * circle. */
 static void put_on_a_ray(problem *p, test_rng *rng, double r)
 {
     const double far = sqrt(1 - r * r), ahead[3] = {0, 0, 1};
@@ -235,8 +239,8 @@ static void put_on_a_ray(problem *p, test_rng *rng, double r)
     }
 }
 
-/* Nothing tells the turn about the line, and some such scenes have no pose. They are
- * diagnosed all the same. */
+/* The data do not show the turn about the line, and some of these scenes have no pose. The
+ * diagnosis works in spite of that. */
 static void test_of_a_turn_that_no_point_shows_there_may_be_no_pose(void)
 {
     test_rng rng = test_seed(18);
@@ -258,7 +262,7 @@ static void test_of_a_turn_that_no_point_shows_there_may_be_no_pose(void)
     TEST_ASSERT_TRUE(n_degenerate > 0);
 }
 
-/* n points at random before a fisheye, the pixels of points 2 and 5 beyond its rays. */
+/* n random points before a fisheye. The pixels of points 2 and 5 are beyond its image. */
 static void before_a_fisheye(rigcal_camera *camera, rigcal_observation o[], int n)
 {
     test_rng rng = test_seed(16);
@@ -280,8 +284,8 @@ static void before_a_fisheye(rigcal_camera *camera, rigcal_observation o[], int 
     o[2].uv[0] = o[5].uv[1] = 1200;
 }
 
-/* One point that no ray sees counts as left out. So of two there is no pose, whichever
- * other point is left out, and no point is to blame. */
+/* One point for which the lens has no ray counts as left out. If there are two, there is no
+ * pose, whichever other point is left out, and no point gets blame. */
 static void test_of_two_points_beyond_the_lens_none_is_blamed(void)
 {
     static rigcal_observation o[N_MANY];
@@ -303,8 +307,8 @@ static void test_of_two_points_beyond_the_lens_none_is_blamed(void)
     }
 }
 
-/* Ten points, nine of them seen eight times: points of equal distance count as one, so no
- * more than ten are tried. */
+/* Ten points, nine of them seen eight times. Points with equal distance count as one, so at
+ * most ten are tried. */
 static void test_points_that_are_seen_alike_are_tried_once(void)
 {
     test_rng rng = test_seed(17);
@@ -409,7 +413,7 @@ static void test_one_wrong_point_is_told_and_several_are_not_explained(void)
     TEST_ASSERT_GREATER_THAN_INT(38, unexplained);
 }
 
-/* A target in millimetres where the last pose was in metres, and the like. */
+/* A target in millimetres with a previous pose in metres, and similar mistakes. */
 static void test_units_are_told_from_a_previous_pose(void)
 {
     static const double FACTOR[4] = {1000, 0.01, 25.4, 1};
@@ -438,8 +442,8 @@ static void test_units_are_told_from_a_previous_pose(void)
     }
 }
 
-/* Four points on a line have no pose, and the fifth is beside it: only without the fifth
- * is there no rms. */
+/* Four points on a line have no pose, and the fifth is beside it. Only without the fifth is
+ * there no rms. */
 static void test_there_is_no_rms_where_the_others_have_no_pose(void)
 {
     static const double X[5][3] = {
@@ -460,7 +464,8 @@ static void test_there_is_no_rms_where_the_others_have_no_pose(void)
     TEST_ASSERT_TRUE(p.rms_without[4] >= -1 && p.rms_without[4] <= -1);
 }
 
-/* Of more points than are tried, those that are not have no rms. The wrong one has. */
+/* If there are more points than are tried, those that are not tried have no rms. The wrong
+ * point has one. */
 static void test_there_is_no_rms_of_what_was_not_left_out(void)
 {
     enum { MANY = RIGCAL_BLAME_TRIES + 6 };
@@ -497,8 +502,8 @@ static void test_there_is_no_rms_of_what_was_not_left_out(void)
     TEST_ASSERT_TRUE(rms_without[40] > 0);
 }
 
-/* A flat target with one point off its plane, on the wrong side: that point is wrong, or
- * the target is mirrored. The one that fits better counts. */
+/* A flat target with one point off its plane, on the wrong side. Either that point is
+ * wrong, or the target is mirrored. The reading that fits better counts. */
 static void test_a_point_on_the_wrong_side_is_wrong_or_the_target_is_mirrored(void)
 {
     const rigcal_pose_options known = stated(NOISE);
@@ -543,8 +548,8 @@ static void test_a_point_on_the_wrong_side_is_wrong_or_the_target_is_mirrored(vo
     TEST_ASSERT_TRUE(n_mirrored > 2 && n_one > 2);
 }
 
-/* (C), by the numbers that are told: both of the mirrored readings are a thousand times
- * less likely. */
+/* (C), from the numbers that are returned: both mirrored readings are a thousand times less
+ * likely. */
 static void test_the_data_decide_where_neither_mirrored_reading_fits(void)
 {
     int n_both = 0, n_one[2] = {0, 0};
@@ -556,7 +561,8 @@ static void test_the_data_decide_where_neither_mirrored_reading_fits(void)
         problem p;
 
         p.camera = test_pinhole();
-        p.camera.cy = RC(test_uniform(&rng, 0, 480)); /* the flipped one is another */
+        p.camera.cy = RC(test_uniform(&rng, 0, 480)); /* the flipped camera differs from
+                                                         it */
         const double thickness = test_uniform(&rng, 0.02, 0.2);
         p.n = 9;
         test_scene_random(&p.scene, &rng, p.n, TEST_GENERAL);

@@ -1,5 +1,5 @@
-/* direction: the cost of a direction from moments, against the oracle's vectors and
- * against sums over the points and scans over yaw that are written out here. */
+/* direction: the cost of a direction from moments, compared with the oracle's vectors, and
+ * with sums over the points and scans over yaw. */
 #include <math.h>
 #include <string.h>
 
@@ -8,7 +8,7 @@
 #include "vectors_scenes.h"
 #include "vectors_direction.h"
 
-/* Of the sum of |X - mean|^2, which is what a useless direction costs. */
+/* Part of the sum of |X - mean|^2. A useless direction costs that sum. */
 #define TOL_COST TOL(1e-9, 1e-3)
 
 /* ---- points, moments ----------------------------------------------------- */
@@ -93,7 +93,7 @@ static double cost_of(const target *T, const double m3[3])
     return D(rc_direction_cost(&T->sums, m));
 }
 
-/* What the cost stands for: sum of w |z u - q_xy|^2 at a pose. */
+/* The definition of the cost: the sum of w |z u - q_xy|^2 at a pose. */
 static double object_space_sum(const target *T, const double R[9], const double t[3])
 {
     double sum = 0;
@@ -111,8 +111,8 @@ static double object_space_sum(const target *T, const double R[9], const double 
     return sum;
 }
 
-/* The t that minimises the sum for a rotation: its normal equations, 3 x 3, in the
- * order t_x, t_y eliminated, t_z. */
+/* The t that minimises the sum for a rotation, by its 3 x 3 normal equations. t_x and t_y
+ * are eliminated, then t_z is solved. */
 static double best_translation(double t[3], const target *T, const double R[9])
 {
     double w = 0, u[2] = {0, 0}, v[2] = {0, 0}, uu = 0, uv = 0;
@@ -143,7 +143,7 @@ static void with_yaw(double R[9], const double m3[3], double yaw)
     test_rotation(R, yaw, asin(-m3[0]), atan2(m3[1], m3[2]));
 }
 
-/* Least sum over `samples` yaws, with the depth of the middle positive. */
+/* The least sum over `samples` yaws, with a positive depth of the middle. */
 static double scan_yaw(const target *T, const double m3[3], int samples)
 {
     double least = 1e300;
@@ -162,9 +162,9 @@ static double scan_yaw(const target *T, const double m3[3], int samples)
 
 /* ---- the cost ------------------------------------------------------------ */
 
-/* Far from any pose the yaw found may be a maximum of the two that is not the
- * larger: measured, 3 % of directions anywhere, 7 of 11 000 where the cost is below
- * a tenth of what a useless direction costs. */
+/* Far from any pose the yaw that is found may be the smaller one of two maxima. Measured:
+ * in 3 % of random directions, and in 7 of 11 000 directions with a cost below a tenth of
+ * that of a useless direction. */
 static void test_costs_are_those_of_the_oracle(void)
 {
     int other = 0;
@@ -228,7 +228,7 @@ static void test_the_pose_of_a_true_direction_is_the_true_pose(void)
         test_to_real(m3, scene.R + 6, 3);
         rc_direction_pose(&pose, &T.sums, m3);
         test_to_double(R, pose.R, 9);
-        /* the yaw is found to a thousandth, squared */
+        /* the error of yaw is a thousandth, squared */
         ASSERT_NEAR(0, test_angle_between(R, scene.R), TOL(2e-6, 2e-3));
         ASSERT_ARRAY_NEAR(t, pose.t, 3, TOL(2e-6, 5e-3) * distance);
     }
@@ -262,7 +262,7 @@ static void test_the_cost_is_the_sum_over_the_points_of_the_pose_it_gives(void)
     }
 }
 
-/* Yaw is found where the cost is low; translation always. */
+/* The best yaw is found if the cost is low; the best translation always. */
 static void test_the_cost_is_the_least_over_yaw_and_translation(void)
 {
     enum { TRIALS = 1500, SAMPLES = 720 };
@@ -328,7 +328,7 @@ static void test_the_cost_does_not_change_when_the_image_is_turned(void)
     }
 }
 
-/* The unit is squared in the cost; the directions turn with the target. */
+/* The cost grows with the square of the unit. The directions turn with the target. */
 static void test_the_cost_goes_with_the_unit_and_the_frame_of_the_target(void)
 {
     test_rng rng = test_seed(6);
@@ -410,7 +410,7 @@ static void test_an_image_without_extent_is_refused(void)
     }
 }
 
-/* A hundred times nearer to the middle than rounding of a pixel beside it. */
+/* A hundred times closer to the middle than the rounding of a pixel beside it. */
 static void test_an_image_less_than_rounding_is_refused(void)
 {
     for (int is_seen = 0; is_seen < 2; is_seen++) {
@@ -428,8 +428,8 @@ static void test_an_image_less_than_rounding_is_refused(void)
     }
 }
 
-/* Points on a line whose images go with none of their coordinates: no yaw is told, whether
- * they are before the camera or behind it. */
+/* Points on a line whose images do not follow any of their coordinates: no yaw can be
+ * found, in front of the camera or behind it. */
 static void test_an_image_that_no_yaw_explains_costs_the_most(void)
 {
     static const double X[3] = {1, 1, -2}, U[3] = {2, 0, 1};
@@ -449,7 +449,7 @@ static void test_an_image_that_no_yaw_explains_costs_the_most(void)
     }
 }
 
-/* Mirrored points have the sums of points that are given mirrored. */
+/* Mirroring the sums gives the same as mirroring the points first. */
 static void test_the_sums_of_mirrored_points_are_those_of_points_given_mirrored(void)
 {
     test_rng rng = test_seed(12);

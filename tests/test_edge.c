@@ -1,5 +1,5 @@
-/* edge: the pixel of a band's border over one place of its line. The truth: what the six
- * derivatives of (G24) say of that pixel. */
+/* edge: the pixel of a band's border over one place of its line. The truth: the six
+ * derivatives of (M3) at that pixel. */
 #include <math.h>
 #include <string.h>
 
@@ -26,8 +26,8 @@ static int is_in_image(const rigcal_camera *camera, const rigcal_real uv[2])
            uv[1] < RC(camera->height);
 }
 
-/* The pixels of the two borders over p are k standard deviations from the line, one on each
- * side. Returns how many of them are in the image, whose every pixel the lens sees. */
+/* The pixels of the two borders over p must be k standard deviations from the line, one on
+ * each side. Returns how many are in the image, all of which the lens sees. */
 static int look_at_place(const test_bands *scene, const rigcal_real p[2])
 {
     double s[2] = {0, 0};
@@ -83,8 +83,9 @@ static void test_a_border_is_k_standard_deviations_from_the_line(void)
 
 /* ---- known by hand --------------------------------------------------------- */
 
-/* b is 1 to the right of a, both the same pinhole: the line of pixel (40, 30) is its row.
- * sigma_b is all the noise there is: the borders are k sigma_b = 2 rows away, nearly. */
+/* Camera b is 1 to the right of a, and both are the same pinhole. So the line of pixel (40,
+ * 30) is its row. sigma_b is the only noise: the borders are about k sigma_b = 2 rows
+ * away. */
 static void make_rows(rigcal_band *band)
 {
     static const double t[3] = {-1, 0, 0};
@@ -108,8 +109,8 @@ static void make_rows(rigcal_band *band)
     TEST_ASSERT_TRUE(rc_edge_begin(&edge, band));
 }
 
-/* y of the border at x of (x, y, 1). Its distance s = y / r is 0.04 of the slope of s. r is
- * the length of (x, y, 1). */
+/* y of the border at x of (x, y, 1). Its distance s = y / r is 0.04 of the slope of s,
+ * where r is the length of (x, y, 1). */
 static double border_of_row(double x)
 {
     double y = 0;
@@ -162,8 +163,9 @@ static void test_a_border_that_the_lens_does_not_see_leaves_the_edge(void)
     TEST_ASSERT_FALSE(rc_edge_begin_side(&edge, 1, behind));
 }
 
-/* Of a lens that folds at 0.7 of its focal length the border is there where k sigma_b would
- * be beyond: in the image at 0.7 (1 - 1/3) of the focal length from the centre. */
+/* The lens folds at 0.7 of its focal length. Where k sigma_b reaches beyond that, the
+ * border is the fold. In the image it is at 0.7 (1 - 1/3) of the focal length from the
+ * centre. */
 static void test_where_the_lens_folds_before_the_border_is_the_fold(void)
 {
     const double far = 50 * 0.7 * 2 / 3;

@@ -57,8 +57,8 @@ static void test_the_residual_vanishes_at_the_true_rotation(void)
             }
             ASSERT_STATUS(RIGCAL_OK, rigcal_pair_make(&pair, s, 8, 0, i));
             ASSERT_STATUS(RIGCAL_OK, rigcal_pair_residual(&e, &pair, R));
-            /* The plane of rays is known to rounding over their distance, and
-             * so is the direction: coordinates are up to 3 for a size of 1. */
+            /* The plane of the rays, and the direction, are known to rounding divided by
+             * their distance. Coordinates are up to 3 for a size of 1. */
             ASSERT_NEAR(0, e, TOL(2e-15, 1e-6) / apart);
         }
     }
@@ -147,9 +147,9 @@ static void test_coefficients_give_the_residual_at_any_angle(void)
     }
 }
 
-/* Yaw eliminated at pitch = roll = 0, where v = d: p = n1 d1 + n2 d2, q = n2
- * d1 - n1 d2, k = n3 d3. Two pairs give 0.64 c = 0.36 and 0.64 s = 0.36, so
- * c = s = 0.5625 and w = 45 degrees; a third, whatever w, leaves 1. */
+/* Yaw is eliminated at pitch = roll = 0, where v = d: p = n1 d1 + n2 d2, q = n2 d1 - n1 d2,
+ * k = n3 d3. Two pairs give 0.64 c = 0.36 and 0.64 s = 0.36. So c = s = 0.5625 and w = 45
+ * degrees. A third pair has the residual 1 for any w. */
 static void test_an_elimination_on_paper(void)
 {
     const rigcal_pair pairs[3] = {
@@ -169,8 +169,8 @@ static void test_an_elimination_on_paper(void)
     ASSERT_NEAR(2 * 0.5625 * 0.5625 - 1, out.unit, 2 * tol);
     ASSERT_NEAR(1 + 1 - 2 * 0.5625 * 0.5625, out.residual, 4 * tol);
 
-    /* By least squares the third is in A as a row of zeros, which changes
-     * nothing; but now the first two count, each 0.64 cos 45 - 0.36. */
+    /* With least squares the third pair is a row of zeros in A, which changes nothing. But
+     * now the first two pairs count in the sum, each with 0.64 cos 45 - 0.36. */
     ASSERT_STATUS(RIGCAL_OK, rigcal_pairs_eliminate(&out, pairs, 3, 0, RIGCAL_YAW, angles));
     ASSERT_NEAR(0.5625, out.cosine, tol);
     ASSERT_NEAR(0.5625, out.sine, tol);
@@ -191,12 +191,13 @@ static void test_the_condition_is_that_of_the_spectral_norm(void)
 
     ASSERT_STATUS(RIGCAL_OK, rigcal_pairs_eliminate(&out, pairs, 3, 2, RIGCAL_YAW, angles));
     ASSERT_NEAR(4.0 / 3, out.condition, TOL(1e-14, 1e-5));
-    /* All three: columns (0.36, 0, 0.6) and (0, 0.48, 0), still orthogonal. */
+    /* With all three pairs the columns (0.36, 0, 0.6) and (0, 0.48, 0) are still
+     * orthogonal. */
     ASSERT_STATUS(RIGCAL_OK, rigcal_pairs_eliminate(&out, pairs, 3, 0, RIGCAL_YAW, angles));
     ASSERT_NEAR(sqrt(0.4896) / 0.48, out.condition, TOL(1e-14, 1e-5));
 }
 
-/* A is fine, but its answer c = s = 0 points nowhere. */
+/* A is well conditioned, but the answer c = s = 0 has no direction. */
 static void test_an_elimination_without_a_direction_is_refused(void)
 {
     const rigcal_pair pairs[3] = {
@@ -213,7 +214,7 @@ static void test_an_elimination_without_a_direction_is_refused(void)
                    rigcal_pairs_eliminate(&out, pairs, 3, 0, RIGCAL_YAW, angles));
 }
 
-/* 0.48 c = -0.48 and s = 0: half a turn, whichever zero the sine is. */
+/* 0.48 c = -0.48 and s = 0: half a turn, whatever the sign of the zero. */
 static void test_half_a_turn_is_eliminated_as_plus_pi(void)
 {
     for (int sign = -1; sign <= 1; sign += 2) {
@@ -234,8 +235,8 @@ static void test_half_a_turn_is_eliminated_as_plus_pi(void)
     }
 }
 
-/* c and s are known to cond(A) times rounding, times their own size; (15) has
- * squares of them. Said so in the tolerance, and no more. */
+/* c and s are accurate to cond(A) times rounding, times their size. (15) has their squares.
+ * The tolerance says this and no more. */
 static void assert_elimination(const double expected[6], const rigcal_elimination *seen)
 {
     const double size = hypot(expected[1], expected[2]);
@@ -247,11 +248,10 @@ static void assert_elimination(const double expected[6], const rigcal_eliminatio
     ASSERT_NEAR(0, turn, tol / size);
     ASSERT_NEAR(expected[1], seen->cosine, tol);
     ASSERT_NEAR(expected[2], seen->sine, tol);
-    /* A singular value is known to rounding; the least is cond times
-     * smaller. */
+    /* A singular value is accurate to rounding; the least is cond times smaller. */
     ASSERT_NEAR(expected[3], seen->condition, TOL(1e-14, 2e-6) * expected[3] * expected[3]);
     ASSERT_NEAR(expected[4], seen->unit, tol * 2 * (1 + size));
-    /* Up to 15 residuals follow the angle. */
+    /* The sum contains up to 15 residuals at that angle. */
     ASSERT_NEAR(expected[5], seen->residual, tol * 2 * (1 + size) + 15 * tol / size);
 }
 
@@ -273,13 +273,13 @@ static void check_golden_eliminations(const double golden[][18], int32_t pairs_u
             rigcal_elimination out;
 
             if (expected[3] > TOL(1e7, 300)) {
-                continue; /* as good as singular */
+                continue; /* practically singular */
             }
             test_other_two(angles, wrong, which);
             ASSERT_STATUS(RIGCAL_OK, rigcal_pairs_eliminate(&out, pairs, (size_t)n_pairs,
                                                             pairs_used, which, angles));
             assert_elimination(expected, &out);
-            if (expected[3] < 20) { /* the plain promise */
+            if (expected[3] < 20) { /* the ordinary tolerance */
                 well_conditioned++;
                 ASSERT_NEAR(expected[5], out.residual, TOL_FORMULA * fmax(1, expected[5]));
             }
@@ -324,11 +324,12 @@ static void test_elimination_finds_the_true_angle_of_perfect_images(void)
                 status =
                     rigcal_pairs_eliminate(&out, pairs, n_pairs, pairs_used, which, angles);
                 if (status == RIGCAL_ERR_DEGENERATE || D(out.condition) > TOL(1e4, 300)) {
-                    continue; /* this angle, in this view; few are */
+                    continue; /* this angle cannot be eliminated in this view; there are few
+                                 such views */
                 }
                 ASSERT_STATUS(RIGCAL_OK, status);
                 tried++;
-                /* Rounding of rays a tenth of the image apart, times cond. */
+                /* The rounding of rays that are a tenth of the image apart, times cond. */
                 tol = TOL(1e-13, 5e-5) * D(out.condition);
                 turn = D(out.angle) - scene.ypr[which];
                 turn -= 2 * TEST_PI * floor(turn / (2 * TEST_PI) + 0.5);
@@ -371,8 +372,8 @@ static void test_a_singular_elimination_is_refused(void)
         test_pair_of(0.8, 0, 0.6, 0.8, 0, -0.6),
         test_pair_of(0, 0.8, 0.6, 0.8, 0, -0.6),
     };
-    /* Planes of rays that contain no x or y, or offsets along the axis: yaw
-     * leaves them as they are. */
+    /* Planes of rays that contain no x or y, or offsets along the axis: yaw does not change
+     * them. */
     const rigcal_pair blind[3] = {
         test_pair_of(0, 0, 1, 0.6, 0.8, 0),
         test_pair_of(0, 0, 1, 0.6, 0, 0.8),

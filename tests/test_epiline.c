@@ -15,7 +15,7 @@ static const rigcal_real M_A[3] = {RC(0.75), 0, 1};
 
 /* ---- matching line (25), (26) -------------------------------------------- */
 
-/* b is 1 to the right: matches have the same y. */
+/* Camera b is 1 to the right: matches have the same y. */
 static const rigcal_transform RIGHT_OF = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {-1, 0, 0}};
 
 static void test_the_matching_line_of_a_camera_beside_is_level(void)
@@ -40,8 +40,7 @@ static void test_matching_lines_are_the_oracles(void)
     }
 }
 
-/* All points of one ray of a, near and far, and nothing but the ray's direction
- * matters. */
+/* All points of a ray of a, near and far. Only the direction of the ray matters. */
 static void test_a_projected_point_lies_on_its_matching_line(void)
 {
     test_rng rng = test_seed(61);
@@ -116,8 +115,8 @@ static void test_cameras_in_one_place_have_no_matching_lines(void)
     ASSERT_REFUSED(RIGCAL_ERR_EPIPOLE, line, rigcal_epiline(line, &turned, M_A));
 }
 
-/* The plane through both centres and the ray is level with b's image plane: all
- * of it is 90 degrees off b's axis, and none of it in the image. */
+/* The plane through both centres and the ray is parallel to b's image plane. All of it is
+ * 90 degrees off b's axis, so none of it is in the image. */
 static void test_a_matching_line_at_infinity_is_refused(void)
 {
     static const rigcal_transform level = {{1, 0, 0, 0, 0, -1, 0, 1, 0}, {-1, 0, 0}};
@@ -211,8 +210,8 @@ static void test_true_matches_lie_on_their_line_in_any_lens(void)
         ASSERT_NEAR(0, D(line[0]) * straight[0] + D(line[1]) * straight[1] + D(line[2]),
                     TOL(1e-10, 1e-2));
 
-        /* The distorted pixel of the point, and of one beside it: how far it is
-         * off in undistorted pixels is its distance, with the sign. */
+        /* The distorted pixel of the point, and of a point beside it: its distance is how
+         * far it is off in undistorted pixels, with the sign. */
         for (int beside_it = 0; beside_it < 2; beside_it++) {
             X_b[0] += beside_it * 0.01 * X_b[2];
             X_b[1] -= beside_it * 0.02 * X_b[2];
@@ -322,8 +321,8 @@ static void test_lines_on_paper_are_clipped_at_pixel_borders(void)
     }
 }
 
-/* Any line: both ends on it and on the border, in the right order; and refused
- * only when no corner lies on either side of it. */
+/* Random lines: both ends are on the line and on the border, in the right order. A line is
+ * refused only if all corners lie on one side of it. */
 static void test_clipped_ends_lie_on_the_line_and_on_the_border(void)
 {
     const double right = 639.5, bottom = 479.5, tol = TOL(1e-9, 1e-2);
@@ -355,7 +354,7 @@ static void test_clipped_ends_lie_on_the_line_and_on_the_border(void)
             continue;
         }
         if (least > -tol || most < tol) {
-            continue; /* touches a corner: to rounding either is right */
+            continue; /* the line touches a corner: with rounding either answer is right */
         }
         crossing++;
         ASSERT_STATUS(RIGCAL_OK, status);
@@ -412,7 +411,7 @@ static void test_arguments_of_the_clipping_are_checked(void)
 
 /* ---- between two depths -------------------------------------------------- */
 
-/* X_b of what lies at that depth along ray_a. */
+/* The X_b of the point at that depth along ray_a. */
 static void at_depth(double X_b[3], const rigcal_transform *b_from_a,
                      const rigcal_real ray_a[3], double depth)
 {
@@ -435,7 +434,7 @@ static void test_the_segment_ends_where_the_nearest_and_farthest_would_be(void)
         rigcal_real ray[3], ends[4], line[3];
 
         test_point_ahead(X_a, &rng);
-        test_to_real(ray, X_a, 3); /* so depth 1 is the point */
+        test_to_real(ray, X_a, 3); /* with this ray the depth 1 is the point */
         ASSERT_STATUS(RIGCAL_OK,
                       rigcal_epiline_segment(ends, &camera, &b_from_a, ray, RC(0.5), 4));
         at_depth(X_b, &b_from_a, ray, 0.5);
@@ -454,8 +453,8 @@ static void test_the_segment_ends_where_the_nearest_and_farthest_would_be(void)
 
 static void test_the_curve_leaves_out_what_the_camera_cannot_see(void)
 {
-    /* b's axis is a's axis turned back (half a turn about y), 2 ahead of a:
-     * what a sees at depth Z is at 2 - Z of b. */
+    /* b's axis is a's axis turned back (half a turn about y), 2 ahead of a. A point at
+     * depth Z of a is at 2 - Z of b. */
     static const rigcal_transform facing = {{-1, 0, 0, 0, 1, 0, 0, 0, -1}, {0, RC(0.5), 2}};
     const rigcal_camera camera = test_pinhole();
     const rigcal_real ray[3] = {RC(0.1), 0, 1};
@@ -464,8 +463,8 @@ static void test_the_curve_leaves_out_what_the_camera_cannot_see(void)
     rigcal_real *guard = &uv[14];
     size_t n_written;
 
-    /* 1 / depth = 1, 7/8, .. 1/4: depths 1, 8/7, 4/3, 8/5, 2, 8/3, 4, of which
-     * four lie before b. */
+    /* 1 / depth = 1, 7/8, .. 1/4: depths 1, 8/7, 4/3, 8/5, 2, 8/3, 4. Four of these are in
+     * front of b. */
     FILL(uv);
     ASSERT_STATUS(RIGCAL_OK,
                   rigcal_epiline_curve(uv, 7, &n_written, &camera, &facing, ray, 1, 4));
@@ -490,8 +489,8 @@ static void test_the_curve_leaves_out_what_the_camera_cannot_see(void)
     ASSERT_UNTOUCHED(n_written);
 }
 
-/* Evenly in 1 / depth from near to far; the sixth of eleven samples is put
- * on the true point, so the curve passes through its true pixel. */
+/* Samples are even in 1 / depth from near to far. The sixth of eleven samples is the true
+ * point, so the curve passes through its true pixel. */
 static void test_the_curve_runs_through_the_true_match_in_any_lens(void)
 {
     enum { COUNT = 11 };
@@ -541,8 +540,8 @@ static void test_a_curve_of_two_points_is_the_segment_without_distortion(void)
     ASSERT_ARRAY_NEAR(expected, uv, 4, TOL(1e-11, 1e-3));
 }
 
-/* The barrel's rays end some 43 degrees off its axis: farther samples are
- * not on the folded branch but left out. */
+/* The rays of the barrel lens end some 43 degrees off its axis. Farther samples are left
+ * out, not put on the folded branch. */
 static void test_the_curve_stops_at_the_turning_point_of_the_lens(void)
 {
     static const rigcal_transform beside_by_three = {{1, 0, 0, 0, 1, 0, 0, 0, 1},
@@ -642,8 +641,8 @@ static void test_arguments_of_segment_and_curve_are_checked(void)
     ASSERT_UNTOUCHED(n);
 }
 
-/* In tangents there is a line, 64 roundings of it; in pixels of a
- * long lens it is too far off to be told. */
+/* As tangents there is a line, to 64 roundings. In pixels of a long lens it is too far away
+ * to be computed. */
 static void test_a_line_too_far_off_for_its_pixels_is_refused(void)
 {
     const rigcal_transform beside = {{1, 0, 0, 0, 1, 0, 0, 0, 1},

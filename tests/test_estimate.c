@@ -1,7 +1,7 @@
 /* estimate: the intrinsics of the cameras with their deviations as a prior. The truth is
  * dense least squares in double over all poses and all intrinsics, by differences of the
- * projection: from the library's answer its next step is 0, and its inverse normal matrix
- * is every covariance. */
+ * projection. At the library's answer its next step must be 0, and its inverse normal
+ * matrix must have all covariances. */
 #include <math.h>
 #include <string.h>
 
@@ -12,7 +12,7 @@
 enum {
     CAMERAS = 3,
     PLACES = 5,
-    BY = 6, /* of a camera: focal, aspect, cx, cy, k1, k2 */
+    BY = 6, /* numbers of a camera: focal, aspect, cx, cy, k1, k2 */
     POSES = 6 * (CAMERAS + PLACES),
     ALL = POSES + BY * CAMERAS,
     WORK = RIGCAL_ESTIMATE_WORK(CAMERAS, CAMERAS)
@@ -20,14 +20,14 @@ enum {
 
 #define SIGMA_PX 0.3
 
-/* In double the derivatives by f are those of the changed camera: 0.4 % of them. In float
- * the poses take all but a thousandth of what the views say of the intrinsics, and S^-1 has
- * some 1e-5 of rounding: 1e-2 of what is left. */
+/* In double the derivatives by f are those of the changed camera, which differ by 0.4 %. In
+ * float the poses explain all but a thousandth of the effect of the intrinsics, and S^-1
+ * has a rounding of some 1e-5: 1e-2 of what is left. */
 #define PART TOL(0.01, 0.06)
 #define WANTS TEST_WANTS_RAM(sizeof(test_rig) + 131072)
 
 static test_rig r;
-static rigcal_camera nominal[CAMERAS]; /* what a calibration program gave */
+static rigcal_camera nominal[CAMERAS]; /* the results of a calibration program */
 static rigcal_intrinsics_sigma sigmas[CAMERAS];
 static rigcal_intrinsics_change made[CAMERAS], change[CAMERAS], left[CAMERAS];
 static rigcal_real memory[WORK];
@@ -64,7 +64,7 @@ static rigcal_camera changed(const rigcal_camera *camera, const double d[BY])
     return c;
 }
 
-/* The views are of r.camera; then it becomes another, whose deviations are known. */
+/* Makes views with r.camera. Then it changes r.camera, with known deviations. */
 static void make(uint64_t seed)
 {
     test_rng rng = test_seed(seed);
@@ -99,7 +99,7 @@ static void adjust(void)
     }
 }
 
-/* Returns the number of rounds until no step is longer than `limit`. */
+/* Runs rounds until no step is longer than `limit`. Returns their number. */
 static int settle(double limit)
 {
     for (int round = 1; round <= 12; round++) {
@@ -124,10 +124,11 @@ static int settle(double limit)
 
 /* ---- dense least squares -------------------------------------------------------- */
 
-/* The normal matrix over all, its right side in the last column; then its inverse. */
+/* The normal matrix over all unknowns, with its right side in the last column; then its
+ * inverse. */
 static double A[ALL][ALL + 1], inverse[ALL][ALL];
 
-/* Pixel of point i of a view, with all that it hangs on moved. */
+/* The pixel of point i of a view, after everything that it depends on moved. */
 static void pixel(double uv[2], const rigcal_rig_view *v, int i, const double d[18])
 {
     double R[9], t[3], X[3], X_r[3], X_c[3], all[BY];
@@ -147,7 +148,7 @@ static void pixel(double uv[2], const rigcal_rig_view *v, int i, const double d[
     test_project_px(uv, &camera, X_c);
 }
 
-/* The projection is linear in the intrinsics: a step may be as long as it likes. */
+/* The projection is linear in the intrinsics, so a step may have any length. */
 static void add_point(const rigcal_rig_view *v, int i)
 {
     static const double STEPS[BY] = {0.125, 0.25, 16, 16, 0.125, 0.125};
@@ -208,7 +209,7 @@ static void invert(void)
     }
 }
 
-/* A deviation of 0 is as good as none: one of a millionth of the others'. */
+/* A deviation of 0 is replaced by a millionth of the others. */
 static void solve_dense(void)
 {
     static const double LEAST[BY] = {1e-9, 1e-9, 1e-6, 1e-9, 1e-9, 1e-9};

@@ -9,7 +9,7 @@
 #include "test_support.h"
 #include "vectors_faults.h"
 
-/* A camera more than the vectors have: one that moved, as it stood afterwards. */
+/* One camera more than the vectors have: a camera that moved, at its pose afterwards. */
 enum {
     CAMERAS = 3,
     MORE = CAMERAS + 1,
@@ -19,7 +19,7 @@ enum {
     FAULTS = 40
 };
 
-/* A rig of the vectors, and what is found of it. */
+/* A rig of the vectors, and the faults that are found. */
 typedef struct {
     rigcal_camera camera[CAMERAS];
     rigcal_observation o[VIEWS][POINTS];
@@ -138,15 +138,15 @@ static const rigcal_fault *fault_of(const fixture *f, double kind, double camera
 
 /* ---- against dense least squares ------------------------------------------------ */
 
-/* The adjustment of a float build ends where its own rounding is; the truth, 1e-6 sigma
- * off the optimum. */
+/* The adjustment of a float build ends where its own rounding stops it. The truth is then
+ * 1e-6 sigma from the optimum. */
 static void assert_fault(const double row[], const rigcal_fault *seen)
 {
     const double *const theta = &row[4], *const sigma = &row[10];
     const double part = TOL(1e-6, 5e-3), of_sigma = TOL(1e-6, 5e-3), gain = row[16];
     const double noise2 = D(x.found.sigma_px) * D(x.found.sigma_px);
     const int is_moved = seen->kind == RIGCAL_FAULT_MOVED;
-    /* Six parameters of one camera hang together: in float they lose digits. */
+    /* The six parameters of one camera are correlated, so float loses digits. */
     const double loss = is_moved ? TOL(1, 100) : 1;
 
     TEST_ASSERT_EQUAL_INT32(1, seen->is_seen);
@@ -199,7 +199,7 @@ static void test_what_the_views_have_in_common_is_that_of_dense_least_squares(vo
     }
 }
 
-/* One step against an adjustment in which the fault is free. */
+/* Compares one step with an adjustment in which the fault is an unknown. */
 static void test_a_fault_is_named_and_is_that_of_an_adjustment_with_it(void)
 {
     WANTS_A_RIG;
@@ -235,7 +235,7 @@ static void test_the_clocks_are_told_one_by_one(void)
 
 /* ---- against adjustments: clocks that are free, stamps with noise (H11) ------------ */
 
-/* The sum of squares where it is least. */
+/* The least sum of squares. */
 static double least_sum(fixture *f)
 {
     rigcal_rig_fit fit;
@@ -246,7 +246,7 @@ static double least_sum(fixture *f)
     return D(fit.sum);
 }
 
-/* The camera, clock or board as it would be with a fault so large. */
+/* Changes the camera, clock or board to what it would be with a fault of this size. */
 static void correct(fixture *f, int kind, int c, const rigcal_real theta[])
 {
     rigcal_camera *const camera = &f->camera[c];
@@ -285,7 +285,7 @@ static void correct(fixture *f, int kind, int c, const rigcal_real theta[])
     }
 }
 
-/* Clocks as the adjustment has them: free or not, their stamps with noise or not. */
+/* Sets the clocks of the adjustment: free or not, with noise of stamps or not. */
 static void set_clocks(fixture *f, int free_offsets, int free_drifts, double sigma_time)
 {
     f->with_clocks.free_offsets = free_offsets;
@@ -295,7 +295,7 @@ static void set_clocks(fixture *f, int free_offsets, int free_drifts, double sig
     f->rig.sigma_px = RC(0.3);
 }
 
-/* The sum falls by the gain, and rises by the variance a sigma further on. */
+/* The sum falls by the gain. One sigma further it rises by the variance. */
 static void assert_as_adjusted(int kind, int free_offsets, int free_drifts,
                                double sigma_time)
 {
@@ -314,10 +314,10 @@ static void assert_as_adjusted(int kind, int free_offsets, int free_drifts,
     const double freedom = D(x.found.freedom_between) + D(x.found.freedom_within);
     const double noise2 = after / (freedom - seen.n);
 
-    /* Two of a camera are not quite linear. */
+    /* Two parameters of a camera are not quite linear. */
     ASSERT_NEAR(before - after, seen.gain,
                 0.02 * seen.n * D(seen.gain) + TOL(1e-3, 1e-2) * noise2);
-    if (seen.n == 1) { /* of two, the other one follows */
+    if (seen.n == 1) { /* of two cameras, the other one follows */
         further[0] = seen.sigma[0];
         correct(&x, kind, 1, further);
         ASSERT_NEAR(noise2, least_sum(&x) - after, 0.08 * noise2);
@@ -344,7 +344,7 @@ static void test_faults_are_those_of_adjustments_with_free_clocks_and_noisy_stam
     }
 }
 
-/* The views after the move are of a camera of its own. */
+/* The views after the move belong to a camera of their own. */
 static void assert_moved(int c, int free_drifts)
 {
     static const uint8_t breaks[PLACEMENTS] = {0, 0, 0, 1, 0, 0};
@@ -366,7 +366,7 @@ static void assert_moved(int c, int free_drifts)
     x.offsets[CAMERAS] = x.offsets[c];
     x.drifts[CAMERAS] = x.drifts[c];
     for (int k = 0; k < MORE && !free_drifts;
-         k++) { /* one clock, against which the others are free */
+         k++) { /* one clock, which the free ones are relative to */
         x.held[k] = (uint8_t)(k == c || k == CAMERAS);
     }
     for (int v = 0; v < VIEWS; v++) {
@@ -602,13 +602,14 @@ static void test_options_are_checked(void)
     x.rig.views = NULL;
     ASSERT_REFUSED(RIGCAL_ERR_NULL, x.found, FAULTS_OF);
     x.rig.views = x.views;
-    x.work[1] = RC(MORE + 1); /* of a placement more views than there are cameras */
+    x.work[1] = RC(MORE + 1); /* a placement with more views than there are cameras */
     ASSERT_REFUSED(RIGCAL_ERR_STATE, x.found, FAULTS_OF);
     TEST_ASSERT_EQUAL_size_t(RIGCAL_FAULTS_WORK(5, 7), rigcal_faults_work(5, 7));
     TEST_ASSERT_EQUAL_size_t(RIGCAL_FAULTS_LEAST(5, 7), rigcal_faults_least(5, 7));
 }
 
-/* Asked for one kind, it is that one; each as when all are asked for. */
+/* If one kind is asked for, only that kind is tested, with the same result as if all
+ * are. */
 static void test_kinds_that_are_asked_for(void)
 {
     rigcal_fault all[FAULTS];
@@ -662,7 +663,7 @@ static void test_clocks_without_their_memory_are_refused(void)
 
 /* ---- where one finds nothing ------------------------------------------------------- */
 
-/* A rig of two cameras 1 beside each other, which look the same way and see the same three
+/* A rig of two cameras at a distance of 1, which look the same way and see the same three
  * or four points in each of n placements. */
 static void set_up_simple(fixture *f, int n_placements, int n_points, double noise)
 {
@@ -713,8 +714,8 @@ static void set_up_simple(fixture *f, int n_placements, int n_points, double noi
     (void)least_sum(f);
 }
 
-/* Three points fit by themselves whatever their pixels: there is nothing to compare with.
- * Of two placements six numbers are left over, as many as a camera that moved has. */
+/* Three points fit any pixels, so there is nothing to compare with. With two placements six
+ * numbers are left, as many as a camera that moved has. */
 static void test_views_of_three_points_have_no_loop(void)
 {
     static const uint8_t breaks[PLACEMENTS] = {0, 1, 0, 0, 0, 0};
@@ -737,7 +738,7 @@ static void test_views_of_three_points_have_no_loop(void)
     }
 }
 
-/* The target stands still but for noise: a clock that is off would not show. */
+/* The target stands still except for noise: a clock that is off would not show. */
 static void test_of_a_target_that_stands_still_no_clock_is_told(void)
 {
     WANTS_A_RIG;
@@ -767,7 +768,7 @@ static void test_of_a_target_that_stands_still_no_clock_is_told(void)
     }
 }
 
-/* The board in another frame of its own: all its points have Y = 0. */
+/* The board in another frame, in which all its points have Y = 0. */
 static void test_a_board_in_the_plane_of_x_and_z_has_the_same_cameras(void)
 {
     static const double ACROSS[9] = {1, 0, 0, 0, 0, 1, 0, -1, 0};
@@ -796,7 +797,7 @@ static void test_a_board_in_the_plane_of_x_and_z_has_the_same_cameras(void)
                 TOL(1e-6, 1e-2) * (1 + D(before.gain)));
 }
 
-/* Two cameras are held: neither can take up what a fault of it does to its pose. */
+/* Two cameras are held, so their poses cannot absorb the effect of a fault. */
 static void test_a_fault_of_a_camera_that_is_held_is_that_of_an_adjustment(void)
 {
     static const uint8_t ROLES[CAMERAS] = {RIGCAL_CAMERA_HELD, RIGCAL_CAMERA_HELD,
@@ -829,7 +830,7 @@ static void test_clocks_need_not_be_written(void)
     TEST_ASSERT_NULL(x.found.clocks);
 }
 
-/* The stamps of a rig that was adjusted become so noisy that they say nothing. */
+/* After the adjustment the stamps of the rig get so much noise that they say nothing. */
 static void test_placements_that_nothing_fixes_are_degenerate(void)
 {
     int32_t at_fault;
@@ -843,12 +844,13 @@ static void test_placements_that_nothing_fixes_are_degenerate(void)
     ASSERT_STATUS(RIGCAL_ERR_DEGENERATE, rigcal_rig_faults(&x.found, x.faults, FAULTS,
                                                            &at_fault, &x.options, &x.rig));
     ASSERT_UNTOUCHED(x.found);
-    TEST_ASSERT_TRUE(at_fault >= 0 && at_fault % CAMERAS == 0); /* of its placement */
+    TEST_ASSERT_TRUE(at_fault >= 0 && at_fault % CAMERAS == 0); /* of this placement */
 }
 
 /* ---- the verdict by itself -------------------------------------------------- */
 
-/* 200 numbers of sum 260, of which the views by themselves leave 100 of 120. */
+/* 200 numbers with the sum 260. The poses of the views by themselves leave 120; 100 degrees
+ * of freedom. */
 static const rc_common COMMON = {260, 100, 200, 150, 30, 120};
 
 static void test_a_step_whose_numbers_overflow_is_not_seen(void)
@@ -863,7 +865,7 @@ static void test_a_step_whose_numbers_overflow_is_not_seen(void)
         fault.kind = RIGCAL_FAULT_FOCAL;
         fault.camera = 2;
         fault.placement = -1;
-        if (what == 1) { /* what it does to the camera */
+        if (what == 1) { /* its effect on the camera */
             step.turn = &large;
             step.variance = &large;
         } else if (what == 2) { /* its value */
@@ -889,7 +891,7 @@ static void test_a_step_whose_numbers_overflow_is_not_seen(void)
     }
 }
 
-/* Of two parameters the first has an infinite sigma, and turns nothing. */
+/* The first of two parameters has an infinite sigma, and no effect. */
 static void test_a_step_with_one_infinite_sigma_is_not_seen(void)
 {
     const rigcal_real theta[2] = {1, 1}, variance[2] = {TEST_INF, RC(1e-3)};
@@ -903,7 +905,7 @@ static void test_a_step_with_one_infinite_sigma_is_not_seen(void)
     ASSERT_NEAR(0, fault.sigma[1], 0);
 }
 
-/* As of the clocks of many cameras: the first are told, all count. */
+/* For example the clocks of many cameras: the first ones are named, and all count. */
 static void test_of_many_parameters_the_first_are_told(void)
 {
     enum { MANY = RIGCAL_FAULT_VALUES + 2 };
@@ -942,7 +944,7 @@ static void test_the_verdict_of_what_could_not_be_seen(void)
     found.n_seen = 1;
     faults[0].is_seen = 1;
     faults[0].bic = -50;
-    faults[1].bic = -50; /* but not seen: it is not alike */
+    faults[1].bic = -50; /* but it was not seen, so it is not alike */
     rc_finding_judge(&found, faults, &COMMON);
     TEST_ASSERT_EQUAL_INT32(RIGCAL_RIG_FOUND, found.verdict);
     TEST_ASSERT_EQUAL_INT32(0, found.n_alike);
@@ -962,11 +964,12 @@ static void test_residues_of_nothing_have_no_pattern(void)
     memset(&found, 0, sizeof found);
     rc_finding_residues(&found, &r, &COMMON);
     ASSERT_NEAR(60 / (100 / 120.) / 100, found.pattern, TOL(1e-14, 1e-6));
-    TEST_ASSERT_EQUAL_INT32(RIGCAL_FAULTS_PATTERN, found.bits); /* not the motion as well */
+    TEST_ASSERT_EQUAL_INT32(RIGCAL_FAULTS_PATTERN, found.bits); /* but not along the
+                                                                   motion */
     ASSERT_NEAR(0.8, found.along, TOL(1e-14, 1e-6));
     ASSERT_NEAR(sqrt(2), found.along_time, TOL(1e-14, 1e-6));
     memset(&found, 0, sizeof found);
-    r.speed2 = 0; /* it stood still */
+    r.speed2 = 0; /* the target stood still */
     rc_finding_residues(&found, &r, &exact);
     ASSERT_NEAR(0, found.pattern, 0);
     ASSERT_NEAR(0, found.along, 0);
@@ -976,7 +979,7 @@ static void test_residues_of_nothing_have_no_pattern(void)
     ASSERT_NEAR(0, found.pattern_sigma, 0);
 }
 
-/* Of F = 5 a fault that leaves F = 2 explains 3 of 4. */
+/* If F = 5 and a fault leaves F = 2, it explains 3 of 4. */
 static void test_what_a_fault_explains_is_its_part_of_F_less_one(void)
 {
     rigcal_fault faults[1];
@@ -995,8 +998,8 @@ static void test_what_a_fault_explains_is_its_part_of_F_less_one(void)
     ASSERT_NEAR(0.75, found.explained, TOL(1e-15, 1e-6));
 }
 
-/* Faults of random BIC, seen or not, in any order: the best of them stay, in order. Those
- * that are not seen come last. */
+/* Faults with random BIC, seen or not, in random order. The best of them stay, in order;
+ * faults that are not seen come last. */
 static void test_faults_are_ranked_in_any_order(void)
 {
     enum { OFFERED = 12, ROOM = 7 };
@@ -1034,6 +1037,24 @@ static void test_faults_are_ranked_in_any_order(void)
     }
 }
 
+/* F is 5. A fault explains it where at most half of F - 1 is left: F is 3 after it. */
+static void test_a_fault_explains_half_of_what_disagrees(void)
+{
+    const rc_common common = {1505, 1000, 2000, 1101, 101, 1000};
+    const rigcal_real one = 1;
+    rc_one_step step = {1, 1, &one, &one, &one, &one, 0, 0};
+    rigcal_fault fault;
+
+    ASSERT_NEAR(5, rc_F_of(&common, 0, 0, 0), TOL(1e-12, 1e-5));
+    for (int less = 0; less < 2; less++) {
+        memset(&fault, 0, sizeof fault);
+        step.gain = RC(205 - less);
+        rc_finding_of(&fault, &common, &step);
+        ASSERT_NEAR(3 + 0.01 * less, fault.F_after, TOL(1e-12, 1e-5));
+        TEST_ASSERT_EQUAL_INT(!less, fault.explains);
+    }
+}
+
 TEST_MAIN()
 {
     RUN_TEST(test_each_fault_is_that_of_dense_least_squares);
@@ -1068,4 +1089,5 @@ TEST_MAIN()
     RUN_TEST(test_residues_of_nothing_have_no_pattern);
     RUN_TEST(test_what_a_fault_explains_is_its_part_of_F_less_one);
     RUN_TEST(test_faults_are_ranked_in_any_order);
+    RUN_TEST(test_a_fault_explains_half_of_what_disagrees);
 }

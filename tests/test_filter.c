@@ -1,5 +1,5 @@
-/* filter: poses and the joint covariance of their errors. The truth: dense matrices in
- * double, and moves that are made and measured. */
+/* filter: poses and the joint covariance of their errors. The truth is made with dense
+ * matrices in double, and with moves that are made and measured. */
 #include <math.h>
 #include <string.h>
 
@@ -81,7 +81,7 @@ static void random_row(rc_row *row, double h[N], int a, int b, test_rng *rng)
     row->reach = 1;
 }
 
-/* (M8) in dense matrices. */
+/* (M8) with dense matrices. */
 static void learn(const double h[N], double r, double wrong, double *beta, double *z)
 {
     double Ph[N], S = 1, nu = r;
@@ -159,7 +159,7 @@ static void test_rows_that_may_be_wrong_agree_with_dense_matrices(void)
     }
 }
 
-/* A direction that is never seen keeps its variance, and others go down by 1e8. */
+/* A direction that is never seen keeps its variance, while others fall by 1e8. */
 static void test_it_stays_positive_definite_where_one_direction_is_never_seen(void)
 {
     test_rng rng = test_seed(3);
@@ -208,7 +208,7 @@ static void test_it_stays_positive_definite_where_one_direction_is_never_seen(vo
 
 /* ---- poses --------------------------------------------------------------------------- */
 
-/* In float a turn of 1e-9 is less than the rounding of R: it is kept beside. */
+/* In float a turn of 1e-9 is below the rounding of R, so it is kept separately. */
 static void test_small_steps_add_up(void)
 {
     test_rng rng = test_seed(4);
@@ -262,7 +262,7 @@ static void measure(double e[N], const rigcal_transform from[BODIES])
     }
 }
 
-/* (M7) The frame moves by d: all others do as P says, and the frame stays. */
+/* (M7) The frame moves by d. All other bodies move as P says, and the frame stays. */
 static void test_a_move_of_the_frame_is_one_of_all_others(void)
 {
     for (size_t frame = 0; frame < 3; frame++) {
@@ -323,8 +323,8 @@ static void test_a_spread_of_equal_axes_is_that_of_its_covariance(void)
     }
 }
 
-/* d of body 3 = by d of body 1 + noise; or of body 1, by body 3, whose unknowns are
- * later. */
+/* The error of body 3 depends on that of body 1, plus noise; or that of body 1 on body 3,
+ * whose unknowns come later. */
 static void test_a_body_comes_with_its_covariance_and_leaves(void)
 {
     for (int turned = 0; turned < 2; turned++) {
@@ -368,7 +368,8 @@ static void test_a_body_comes_with_its_covariance_and_leaves(void)
     }
 }
 
-/* The first unknowns of body 2 are known exactly: they stay, and the others learn. */
+/* The first unknowns of body 2 are known exactly. They stay, and the others are
+ * estimated. */
 static void test_unknowns_that_are_known_exactly_learn_nothing(void)
 {
     for (int n_known = 1; n_known <= 6; n_known++) {
@@ -449,9 +450,9 @@ static void test_rows_of_a_body_that_is_open_count_for_less(void)
     for (int k = 0; k < 3; k++) {
         first_order += 0.01 * D(row.h_a[k]) * D(row.h_a[k]);
     }
-    /* that of the body that is held bends nothing */
+    /* the open body is held, so nothing is added */
     ASSERT_NEAR(1, D(closed.sd) * D(closed.sd) / first_order, 1e-2);
-    /* 64 times the variance of the turn, 0.03, and of the rest */
+    /* 64 times the variance of the turn, 0.03, and the rest */
     TEST_ASSERT_TRUE(D(open.sd) * D(open.sd) > 2.8 * first_order);
     TEST_ASSERT_TRUE(D(open.sd) * D(open.sd) < 3.2 * first_order);
 }

@@ -1,6 +1,6 @@
-/* firmware: the example of examples/firmware on its simulated board. Its memory of
- * the calibration is what is tried hardest: the power goes after every single byte of
- * work on the flash, every stored bit is flipped. */
+/* firmware: the example of examples/firmware on its simulated board. Its stored calibration
+ * is tested most: the power is cut after every single byte of work on the flash, and every
+ * stored bit is flipped. */
 #include <math.h>
 #include <stddef.h>
 #include <stdio.h>
@@ -13,7 +13,8 @@ enum {
     ALL = 0xff, /* all eight reference points are seen */
     SAVED_BYTES = RIGCAL_STORE_SIZE(FIRMWARE_CAMERAS),
     PAGES = (SAVED_BYTES + PORT_PAGE_BYTES - 1) / PORT_PAGE_BYTES,
-    WORK = PORT_SLOT_BYTES + PAGES * PORT_PAGE_BYTES, /* of one saving, bytes */
+    WORK = PORT_SLOT_BYTES + PAGES * PORT_PAGE_BYTES, /* bytes of flash work of one
+                                                         saving */
     TICKS = 20000
 };
 
@@ -35,7 +36,7 @@ void setUp(void)
     place(HERE);
 }
 
-/* However the firmware was treated, it treats its flash well. */
+/* Whatever was done to the firmware, it must not misuse the flash. */
 void tearDown(void)
 {
     TEST_ASSERT_EQUAL_INT(0, sim.misuse);
@@ -61,7 +62,8 @@ static void shoot_both(void)
     (void)sim_shoot(1, ALL);
 }
 
-/* A board that has calibrated itself and saved that as sequence number 1 in slot 0. */
+/* A board that has calibrated itself, and has saved the result as sequence number 1 in slot
+ * 0. */
 static void calibrate(void)
 {
     boot();
@@ -97,8 +99,8 @@ typedef struct {
     double center[3], turn[3], sigma_center[3], sigma_turn[3], rms;
 } pose_line;
 
-/* Reads one line as README.md of the example tells its form; *at moves on. 0: it is
- * no pose line, or not in that form. */
+/* Reads one line in the form that README.md of the example describes, and moves *at on.
+ * Returns 0 if it is not a pose line in that form. */
 static int read_pose_line(pose_line *p, const char **at)
 {
     int n = -1;
@@ -118,7 +120,7 @@ static int read_pose_line(pose_line *p, const char **at)
     return 1;
 }
 
-/* Number by number and exactly. Only the lower triangle of a covariance is stored: the
+/* Compares every number exactly. Only the lower triangle of a covariance is stored, so the
  * upper one is its mirror afterwards. Padding of the struct does not count. */
 static void assert_same_cameras(const rigcal_mounted_camera expected[],
                                 const rigcal_mounted_camera actual[])
@@ -143,7 +145,8 @@ static void assert_same_cameras(const rigcal_mounted_camera expected[],
     }
 }
 
-/* The true pose against what a line tells, in its sigmas: six numbers. */
+/* The largest difference of the true pose from the one in a line, over six numbers, in its
+ * sigmas. */
 static double worst_in_sigmas(const pose_line *p)
 {
     const double *const R = sim.R[p->camera], *const t = sim.t[p->camera];
@@ -183,7 +186,7 @@ static void test_a_pose_is_reported_within_its_uncertainty(void)
     int n = 0;
 
     boot();
-    sim.noise_px = 0.2; /* what the firmware takes it for */
+    sim.noise_px = 0.2; /* the noise that the firmware assumes */
     for (int trial = 0; trial < 200; trial++) {
         const double center[3] = {2 * sim_uniform() - 1, 2 * sim_uniform() - 1,
                                   1 + sim_uniform()};
@@ -199,13 +202,13 @@ static void test_a_pose_is_reported_within_its_uncertainty(void)
         TEST_ASSERT_EQUAL_STRING("OK", p.status);
         TEST_ASSERT_TRUE(p.rms > 0.02 && p.rms < 0.8);
         TEST_ASSERT_TRUE(p.ticks >= 1);
-        /* Six numbers a pose: beyond 5 sigma once in a million. */
+        /* Each pose has six numbers. One is beyond 5 sigma once in a million cases. */
         TEST_ASSERT_TRUE_MESSAGE(worst_in_sigmas(&p) < 5, sim.serial);
         sum += worst_in_sigmas(&p);
         n++;
     }
-    /* The largest of six normal numbers, which hang together: between one and two
-     * on average, were the sigmas right. */
+    /* The largest of six normal numbers, which are correlated: between one and two in the
+     * mean, if the sigmas are right. */
     TEST_ASSERT_TRUE(sum / n > 0.8 && sum / n < 2);
 }
 
@@ -233,7 +236,7 @@ static void test_the_numbers_sent_are_the_pose_to_half_a_millionth(void)
     }
 }
 
-/* Two thousand metres is what a line has room for. */
+/* A line has room for two thousand metres. */
 static void test_a_position_out_of_range_is_sent_as_the_range_s_end(void)
 {
     static const double FAR_AWAY[3] = {0, 0, 30000};
@@ -299,7 +302,7 @@ static void test_a_camera_that_drops_detections_gives_poses_from_the_rest(void)
             n_few++;
         } else {
             TEST_ASSERT_TRUE_MESSAGE(read_pose_line(&p, &at), sim.serial);
-            /* With 0.1 of noise where 0.2 is assumed. */
+            /* The noise is 0.1, and 0.2 is assumed. */
             TEST_ASSERT_TRUE_MESSAGE(worst_in_sigmas(&p) < 3, sim.serial);
             n_poses++;
         }
@@ -318,7 +321,7 @@ static void test_detections_that_cannot_be_are_left_out(void)
     frame->id[1] = -1;
     frame->id[3] = FIRMWARE_POINTS;
     frame->id[4] = INT32_MAX;
-    frame->id[6] = frame->id[0]; /* told twice: the first counts */
+    frame->id[6] = frame->id[0]; /* it appears twice; the first one counts */
     run();
     TEST_ASSERT_TRUE_MESSAGE(read_pose_line(&p, &at), sim.serial);
     TEST_ASSERT_TRUE(worst_in_sigmas(&p) < 5);
@@ -326,7 +329,7 @@ static void test_detections_that_cannot_be_are_left_out(void)
     frame = sim_shoot(0, ALL);
     frame->uv[2][1] = (float)test_nan();
     frame = sim_shoot(0, ALL);
-    frame->n = 1000; /* more than there is room for */
+    frame->n = 1000; /* more corners than fit into the array */
     frame = sim_shoot(0, ALL);
     frame->n = -1;
     frame = sim_shoot(0, ALL);
@@ -340,12 +343,12 @@ static void test_detections_that_cannot_be_are_left_out(void)
     TEST_ASSERT_NOT_NULL(at);
     TEST_ASSERT_EQUAL_INT(2, times_sent("status=OK"));
     assert_sent("none camera=0 frame=4 status=ERR_TOO_FEW\r\n");
-    /* The camera that there is not is not spoken of. */
+    /* The camera that does not exist is not mentioned. */
     TEST_ASSERT_EQUAL_INT(4, times_sent("camera=0"));
     TEST_ASSERT_EQUAL_INT(4, times_sent("\r\n"));
 }
 
-/* Correspondences that are wrong show in the error: told, and not remembered. */
+/* Wrong correspondences show in the error of the pose. It is reported, but not stored. */
 static void test_a_pose_that_fits_badly_is_told_but_not_kept(void)
 {
     port_frame *frame;
@@ -359,7 +362,7 @@ static void test_a_pose_that_fits_badly_is_told_but_not_kept(void)
     }
     run();
     assert_sent("status=POOR_FIT");
-    sim.noise_px = 2; /* ten times what corners are said to have */
+    sim.noise_px = 2; /* ten times the assumed noise of corners */
     (void)sim_shoot(0, ALL);
     sim.noise_px = 0.1;
     run();
@@ -589,8 +592,8 @@ static void test_with_both_slots_damaged_it_calibrates_anew(void)
     TEST_ASSERT_EQUAL_STRING("loaded slot=0 sequence=1\r\n", sim.serial);
 }
 
-/* The power goes after `k` bytes of a saving. The firmware is brought to that saving
- * once and copied: it works on in the same place. */
+/* Cuts the power after `k` bytes of a saving. The firmware runs to the begin of that saving
+ * once and is copied, because it must continue at the same place. */
 static void cut_after(long k, sim_cut how, const sim_board *board, const firmware *ready)
 {
     sim = *board;
@@ -602,7 +605,7 @@ static void cut_after(long k, sim_cut how, const sim_board *board, const firmwar
     sim.cut_after = -1;
 }
 
-/* A board whose next tick erases a slot, and its firmware. */
+/* A board whose next tick erases a slot, and its firmware at that moment. */
 static void come_to_erasing(sim_board *board, firmware *ready)
 {
     const int erases = sim.erases;
@@ -628,8 +631,8 @@ static void test_power_cut_after_any_byte_of_a_saving_leaves_one_calibration(voi
         for (long k = 0; k <= WORK; k++) {
             cut_after(k, (sim_cut)how, &board, &ready);
             boot();
-            /* The new one counts once its last byte is there; what is left of the
-             * page is padding. Half a byte may happen to be all of it. */
+            /* The new calibration counts once its last byte is written; the rest of the
+             * page is padding. Half of the last byte may happen to equal all of it. */
             if (memcmp(sim.flash[0], ready.image, SAVED_BYTES) == 0) {
                 TEST_ASSERT_TRUE(k >= PORT_SLOT_BYTES + SAVED_BYTES - 1);
                 TEST_ASSERT_EQUAL_STRING("loaded slot=0 sequence=3\r\n", sim.serial);
@@ -638,7 +641,7 @@ static void test_power_cut_after_any_byte_of_a_saving_leaves_one_calibration(voi
                 TEST_ASSERT_TRUE(k < PORT_SLOT_BYTES + SAVED_BYTES);
                 TEST_ASSERT_EQUAL_STRING("loaded slot=1 sequence=2\r\n", sim.serial);
             }
-            /* And it goes on: the next saving succeeds. */
+            /* The firmware continues: the next saving succeeds. */
             if (k % 16 == 0) {
                 place(app.slot == 0 ? THERE : HERE);
                 shoot_both();
@@ -709,7 +712,7 @@ static void test_a_flash_that_fails_is_told_and_tried_again(void)
     assert_sent("failed slot=1 sequence=4\r\n");
     assert_sent("saved slot=1 sequence=4\r\n");
 
-    /* A saving that succeeded gives all tries back. */
+    /* After a saving that succeeded, all tries are available again. */
     place(HERE);
     sim.erase_fails = FIRMWARE_SAVE_TRIES - 1;
     for (int i = 0; i < FIRMWARE_SAVE_TRIES; i++) {
@@ -732,7 +735,7 @@ static void test_a_bit_that_cannot_be_programmed_is_seen(void)
         run();
         TEST_ASSERT_EQUAL_INT(0, times_sent("saved"));
     }
-    /* Not for ever: each try wears it. */
+    /* Not for ever, because each try wears the flash. */
     TEST_ASSERT_EQUAL_INT(2 + FIRMWARE_SAVE_TRIES, sim.erases);
     boot();
     TEST_ASSERT_EQUAL_STRING("loaded slot=1 sequence=2\r\n", sim.serial);
@@ -780,7 +783,7 @@ static void hold_up(int first, int last)
     sim.placement = 0;
 }
 
-/* How far camera 1 is from where it truly is, seen from camera 0, in sigmas: t alone. */
+/* The distance of camera 1 from its true place, seen from camera 0, in sigmas: only t. */
 static double rig_in_sigmas(const rigcal_mounted_camera cameras[])
 {
     double Rt[9], true_R[9], moved[3], worst = 0;
@@ -835,8 +838,8 @@ static void test_a_rig_of_which_a_view_is_missing_is_begun_anew(void)
 
 /* ---- at work ------------------------------------------------------------- */
 
-/* The rig at work for n frames of both cameras; camera 1 is off by a turn [rad] and a shift
- * of half as many metres. */
+/* Runs the rig at work for n frames of both cameras. Camera 1 is off by a turn [rad], and
+ * by a shift of half that number of metres. */
 static void work(int n, double by)
 {
     static const double BOARD[3] = {0, 0, 0.05};
@@ -862,7 +865,7 @@ static void ask(void)
     TEST_ASSERT_EQUAL_INT(1, times_sent("\r\n"));
 }
 
-/* A rig in slot 1, number 2, that has worked for a while. */
+/* A rig in slot 1, with number 2, that has been at work for a while. */
 static void work_in(void)
 {
     calibrate();
@@ -871,7 +874,7 @@ static void work_in(void)
     work(30, 0);
 }
 
-/* Whether camera 1 is where it truly is, against camera 0. */
+/* Whether camera 1 has its true pose relative to camera 0. */
 static void assert_mended(const rigcal_mounted_camera cameras[])
 {
     double R[9], t[3], Rt[9], true_R[9], moved[3];
@@ -937,7 +940,7 @@ static void test_a_bump_is_told_named_mended_and_stored(void)
     assert_mended(stored);
     boot();
     assert_sent("loaded slot=0 sequence=3");
-    work(30, 0.02); /* watched from there */
+    work(30, 0.02); /* it is watched from this place on */
     TEST_ASSERT_EQUAL_STRING("", sim.serial);
 }
 

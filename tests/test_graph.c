@@ -1,4 +1,4 @@
-/* graph: what cameras share, groups, advice, the weakest link. The truth: counted by hand,
+/* graph: what cameras share, groups, advice, the weakest link. The truth: counts by hand,
  * and the covariance of pairs. */
 #include <math.h>
 #include <string.h>
@@ -13,7 +13,7 @@ static int32_t n_groups;
 
 #define WANTS_RIG TEST_WANTS_RAM(sizeof(test_rig) + 12000)
 
-/* A pose of that information: 1 / variance of its rotation is strength / 3. */
+/* Gives the poses an information, so that 1 / variance of the rotation is strength / 3. */
 static void give_poses(const double strength[])
 {
     static const int DIAGONAL[6] = {0, 3, 5, 15, 18, 20};
@@ -53,7 +53,8 @@ static void test_where_links_stand(void)
     TEST_ASSERT_EQUAL(5, RIGCAL_LINK(2, 3));
 }
 
-/* Views of information 30 and 60: 10 and 20 of the rotation, 1 / (1/10 + 1/20) of both. */
+/* Views with information 30 and 60: 10 and 20 for the rotation, 1 / (1/10 + 1/20) for
+ * both. */
 static void test_links_by_hand(void)
 {
     static const double strength[5] = {30, 60, 60, 60, 30};
@@ -81,7 +82,8 @@ static void test_links_by_hand(void)
     ASSERT_NEAR(10, rc_view_information(&r.own[0]), TOL(1e-12, 1e-5));
 }
 
-/* Of each camera the least camera that it is joined with, by a search of its own. */
+/* For each camera the least camera that it is joined with, by a search of the test's
+ * own. */
 static void groups_by_search(int group[], int seen[RIG_PLACEMENTS_MAX][RIG_CAMERAS_MAX])
 {
     const int C = (int)r.rig.n_cameras, F = (int)r.rig.n_placements;
@@ -121,7 +123,7 @@ static void see_at_random(int seen[RIG_PLACEMENTS_MAX][RIG_CAMERAS_MAX], test_rn
     }
 }
 
-/* Many rigs at random: their groups are named, and one placement for each line of advice
+/* Many random rigs. Their groups are named, and one placement for each line of advice
  * connects them all. */
 static void test_advice_connects_every_rig(void)
 {
@@ -169,8 +171,8 @@ static void test_advice_connects_every_rig(void)
     TEST_ASSERT_TRUE(disconnected >= TEST_TRIALS(400) / 4);
 }
 
-/* Cameras 0 and 1 share two placements, 1 and 2 one; camera 3 is alone: it is to be shown
- * the target together with camera 1. */
+/* Cameras 0 and 1 share two placements, 1 and 2 share one, camera 3 is alone. The advice
+ * must be to show the target to cameras 1 and 3 together. */
 static void test_advice_takes_the_best_connected_camera(void)
 {
     test_rng rng = test_seed(503);
@@ -200,7 +202,7 @@ static void test_advice_takes_the_best_connected_camera(void)
                    rigcal_rig_advise(advice, 3, &n, links, &r.rig));
 }
 
-/* Camera 2 saw one placement of six. */
+/* Camera 2 saw only one placement of six. */
 static void test_the_weakest_link(void)
 {
     test_rng rng = test_seed(504);
@@ -268,6 +270,12 @@ static void test_what_is_refused(void)
     ASSERT_REFUSED(RIGCAL_ERR_CAPACITY, links,
                    rigcal_rig_links(links, 2, &n_groups, &at_fault, &r.rig));
     TEST_ASSERT_EQUAL_INT32(-1, at_fault);
+    r.rig.left_out = (const uint8_t[]){1, 1, 1, 1, 1, 1};
+    at_fault = 7;
+    ASSERT_STATUS(RIGCAL_ERR_TOO_FEW,
+                  rigcal_rig_links(links, 3, &n_groups, &at_fault, &r.rig));
+    TEST_ASSERT_EQUAL_INT32(-1, at_fault);
+    r.rig.left_out = NULL;
     r.rig.view_poses = NULL;
     ASSERT_STATUS(RIGCAL_ERR_NULL,
                   rigcal_rig_links(links, 3, &n_groups, &at_fault, &r.rig));

@@ -13,7 +13,7 @@ TEST_TAGS(t, C_MAX, F_MAX);
 
 #define WANTS_RIG TEST_WANTS_RAM(V_MAX * 1200)
 
-/* From nothing: what stood there before does not count. */
+/* Starts with arrays full of other values, which must not matter. */
 static rigcal_status choose(void)
 {
     int32_t at_fault = -2;
@@ -96,7 +96,7 @@ static void test_golden_vectors(void)
 
 /* ---- tags ---------------------------------------------------------------- */
 
-/* Share of wrong poses of all, over many rigs. */
+/* The share of wrong poses among all, over many rigs. */
 static double wrong_share(uint64_t seed, int rigs, int C, int F, double distance,
                           double share, double *first)
 {
@@ -138,7 +138,8 @@ static void test_tags_of_which_a_part_is_seen(void)
     TEST_ASSERT_TRUE(wrong_share(525, 60, 6, 20, 20, 1 / 3., &first) <= 0.02);
 }
 
-/* A seed drawn a bit apart from the truth: the adjustment ends in the truth's minimum. */
+/* Starts a little away from the truth. The adjustment must end in the same minimum as from
+ * the truth. */
 static void test_the_adjustment_from_the_choice_is_right(void)
 {
     test_rng rng = test_seed(526);
@@ -195,7 +196,7 @@ static void test_the_order_does_not_matter(void)
         shuffle(camera, C, &rng);
         shuffle(placement, 10, &rng);
         for (int f = 0; f < 10;
-             f++) { /* placement[f] comes as number f; cameras backwards */
+             f++) { /* number f is placement[f]; the order of cameras is reversed */
             for (size_t v = t.rig.n_views; v-- > 0;) {
                 if (views[v].placement == placement[f]) {
                     from[n] = (int)v;
@@ -212,7 +213,7 @@ static void test_the_order_does_not_matter(void)
         for (size_t v = 0; v < n; v++) {
             TEST_ASSERT_EQUAL_UINT8(takes[from[v]], t.takes[v]);
         }
-        for (int c = 1; c < C; c++) { /* camera c from camera 0, of a start */
+        for (int c = 1; c < C; c++) { /* relative to camera 0, from a start */
             const rigcal_transform back = test_inverse(&t.cams[camera[0]]);
             const rigcal_transform now = test_times(&t.cams[camera[c]], &back);
 
@@ -252,7 +253,7 @@ static void test_the_same_bits_whatever_the_budgets(void)
             ASSERT_STATUS(RIGCAL_ERR_STATE, rigcal_choose_result(&at_fault, &solver));
             TEST_ASSERT_EQUAL_INT32(-1, at_fault);
             status = rigcal_choose_step(&solver, budget);
-            moved = solver; /* it may be copied */
+            moved = solver; /* the solver may be copied */
             memset(&solver, 0x55, sizeof solver);
             solver = moved;
         }
@@ -306,7 +307,7 @@ static void test_poses_from_sources(void)
     TEST_ASSERT_EQUAL_INT32(5, at_fault);
 }
 
-/* Tells of view 1, when it is asked for the lie-th time, that it is of placement 0. */
+/* A source that gives view 1 the placement 0 at call number `lie`. */
 static struct {
     int asked, lie;
 } liar;
@@ -320,7 +321,7 @@ static rigcal_status lying(rigcal_view_pose *pose, size_t index, void *context)
     return RIGCAL_OK;
 }
 
-/* Two cameras that share no placement stay apart, even where a source says once that they
+/* Two cameras that share no placement stay apart, even if a source says once that they
  * share one. */
 static void test_a_placement_that_a_source_changes_joins_nothing(void)
 {
@@ -342,7 +343,7 @@ static void test_a_placement_that_a_source_changes_joins_nothing(void)
     }
 }
 
-/* Without second poses it is a join that leaves out what does not agree. */
+/* Without second poses, the choice is a join that leaves out what does not agree. */
 static void test_without_second_poses(void)
 {
     test_rng rng = test_seed(534);
@@ -376,7 +377,7 @@ static void test_a_wrong_view_is_left_out(void)
     }
 }
 
-/* Every view of another rig: nothing agrees, and nothing is written. */
+/* Every view is from another rig: nothing agrees, and nothing is written. */
 static void test_views_that_contradict_each_other(void)
 {
     rigcal_transform cams[C_MAX];
@@ -404,7 +405,7 @@ static void test_views_that_contradict_each_other(void)
     }
 }
 
-/* Camera 2 is wrong in all its views. Cameras 0 and 1 are right together in n_right of n
+/* All views of camera 2 are wrong. Cameras 0 and 1 are both right in n_right of n
  * placements. */
 static rigcal_status choose_two_of_three(uint64_t seed, int n_right, int n)
 {
@@ -425,8 +426,8 @@ static rigcal_status choose_two_of_three(uint64_t seed, int n_right, int n)
     return choose();
 }
 
-/* Two cameras that agree in most of their placements are believed against a third one; not
- * where they agree in less than half, or in two placements only. */
+/* Two cameras that agree in most of their placements are believed against a third one. They
+ * are not if they agree in less than half, or in only two placements. */
 static void test_two_cameras_that_agree_are_believed_against_a_third(void)
 {
     WANTS_RIG;
@@ -443,7 +444,7 @@ static void test_two_cameras_that_agree_are_believed_against_a_third(void)
     }
 }
 
-/* Right views that disagree by more than noise: all poses off by 4 sigma more. */
+/* Right views that disagree by more than noise: all poses are off by 4 sigma more. */
 static void test_what_is_more_than_noise_raises_the_limit(void)
 {
     test_rng rng = test_seed(543);
@@ -457,7 +458,8 @@ static void test_what_is_more_than_noise_raises_the_limit(void)
     TEST_ASSERT_EQUAL(0, test_tags_wrong(&t));
 }
 
-/* The median of what the fits leave: the noise, which a few blurred views do not raise. */
+/* The noise is the median of the estimates from the fits. A few blurred views do not change
+ * it. */
 static void test_the_noise_of_the_views(void)
 {
     test_rng rng = test_seed(544);
@@ -477,8 +479,8 @@ static void test_the_noise_of_the_views(void)
     ASSERT_NEAR(sigma, t.choice.sigma_px, 0.03);
 }
 
-/* By hand: one degree of freedom left each, 2 x 4 - 6 = 2, whose median is
- * 2 (1 - 2 / 18)^3. Of an even number, the middle of the middle two. */
+/* By hand: 2 x 4 - 6 = 2 degrees of freedom in each view, whose median is 2 (1 - 2 / 18)^3.
+ * For an even number of views it is the mean of the middle two. */
 static void test_the_median_by_hand(void)
 {
     static const double sums[4] = {4, 1, 100, 2};
@@ -496,7 +498,8 @@ static void test_the_median_by_hand(void)
         t.own[v].sse = 0;
     }
     (void)choose();
-    ASSERT_NEAR(0.01, t.choice.sigma_px, TOL(1e-12, 1e-8)); /* pixels are not better */
+    ASSERT_NEAR(0.01, t.choice.sigma_px, TOL(1e-12, 1e-8)); /* no pixels are more exact than
+                                                               this */
     for (size_t v = 0; v < 4; v++) {
         t.own[v].n = 3;
     }
@@ -505,7 +508,7 @@ static void test_the_median_by_hand(void)
     ASSERT_STATUS(RIGCAL_OK, choose());
 }
 
-/* Another pose: turned by a radian about the target's own point. */
+/* Another pose, turned by one radian about the target's own point. */
 static rigcal_transform turned_far(const rigcal_transform *pose)
 {
     static const double axis[3] = {0.6, 0, 0.8};
@@ -563,7 +566,8 @@ static void test_a_held_camera_is_the_frame(void)
     }
 }
 
-/* Cameras 0, 2 and 1, 3, 4 share no placement: each group is as it is by itself. */
+/* Cameras 0 and 2 share no placement with 1, 3 and 4. Each group must be the same as
+ * without the other. */
 static void test_groups_have_frames_of_their_own(void)
 {
     static const rigcal_transform ORIGIN = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
@@ -593,7 +597,7 @@ static void test_groups_have_frames_of_their_own(void)
     ASSERT_TRANSFORM(&ORIGIN, &t.cams[1], TOL(1e-12, 1e-5), TOL(1e-10, 1e-4));
     TEST_ASSERT_EQUAL(0, test_tags_wrong(&t));
     TEST_ASSERT_EQUAL(0, t.choice.n_left_out);
-    for (size_t v = 0; v < n; v++) { /* a start: within what a view leaves open */
+    for (size_t v = 0; v < n; v++) { /* a start with the errors that a view leaves */
         const rigcal_transform truth = test_times(&t.true_cams[t.views[v].camera],
                                                   &t.true_places[t.views[v].placement]);
         const rigcal_transform now =
@@ -628,8 +632,8 @@ static void test_a_camera_by_itself(void)
     TEST_ASSERT_EQUAL(0, t.choice.n_left_out);
 }
 
-/* Cameras 0 and 1 disagree in the one placement that camera 2 saw too: it joins all the
- * same, for the rig is connected. */
+/* Cameras 0 and 1 disagree in the only placement that camera 2 saw too. Camera 2 joins in
+ * spite of that, because the rig is connected. */
 static void test_a_camera_that_joins_by_a_doubtful_placement(void)
 {
     test_rng rng = test_seed(554);
@@ -651,8 +655,8 @@ static void test_a_camera_that_joins_by_a_doubtful_placement(void)
     TEST_ASSERT_EQUAL_UINT8(RIGCAL_TAKES_NONE, t.takes[n - 2]);
 }
 
-/* Cameras 0 and 1 disagree in placement 5, where the wrong one is the surer; camera 2 saw
- * that, and placement 4, in which they agree: it joins by that. */
+/* Cameras 0 and 1 disagree in placement 5, where the wrong one has less variance. Camera 2
+ * saw that placement, and placement 4, in which they agree. It joins by placement 4. */
 static void test_a_doubtful_placement_does_not_count(void)
 {
     test_rng rng = test_seed(555);
@@ -683,8 +687,8 @@ static void test_a_doubtful_placement_does_not_count(void)
     }
 }
 
-/* Twelve cameras, of which the last two are the same one twice. More than eight views of a
- * placement do not place it anew. */
+/* Twelve cameras, of which the last two are the same camera twice. More than eight views of
+ * a placement do not place it again. */
 enum { MANY = TEST_ONE_IN > 1 ? 1 : 12 };
 TEST_TAGS(many, MANY, 4);
 
@@ -792,7 +796,7 @@ static void test_what_is_refused(void)
     ASSERT_STATUS(RIGCAL_ERR_RANGE, rigcal_choose_step(&solver, 0));
 }
 
-/* The adjustment's covariance stood in the same memory. */
+/* The covariance of the adjustment was in the same memory. */
 static void test_after_a_choice_the_rig_is_not_adjusted(void)
 {
     test_rng rng = test_seed(562);

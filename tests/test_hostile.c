@@ -46,7 +46,7 @@ enum {
     TEXT_SIZE = 2000
 };
 
-/* What every call is handed, made once by build_valid. */
+/* The arguments of all calls, made once by build_valid. */
 static struct {
     rigcal_real angles[3], vector[3], quaternion[4], other_rotation[9];
     rigcal_real rotation[9], matrix[9];
@@ -144,7 +144,7 @@ static rigcal_real bowl(void *context, const rigcal_real x[])
     return (x[0] - 1) * (x[0] - 1) + 2 * x[1] * x[1] + (x[2] + 2) * (x[2] + 2);
 }
 
-/* Pixel of a world point in a camera, in doubles. */
+/* The pixel of a world point in a camera, in double. */
 static void pixel_of(rigcal_real uv[2], const rigcal_camera *camera, const double R[9],
                      const double t[3], const double X[3])
 {
@@ -182,7 +182,7 @@ static void build_geometry(void)
             ok.simplex[3 * i + j] = RC(0.2 * (j + 1) + (i == j ? 0.5 : 0));
         }
     }
-    /* Seen by b at five along ray_a, and the line that is (25), (26). */
+    /* Camera b sees the point at depth five along ray_a, and the line by (25), (26). */
     test_apply(m, R, a, NULL);
     for (int i = 0; i < 3; i++) {
         ok.ray_b[i] = RC(5 * m[i] + t[i]);
@@ -236,8 +236,7 @@ static void build_target(void)
         static const double up[3] = {0, 1, 0};
         double turn[9], R[9], t[3], aim[3];
 
-        /* The second camera: the first carried round the target's first
-         * point. */
+        /* The second camera is the first, turned about the target's first point. */
         test_rotation_about(turn, up, 0.3);
         test_product(R, turn, scene.R);
         test_apply(aim, scene.R, scene.X[0], scene.t);
@@ -253,7 +252,7 @@ static void build_target(void)
     }
 }
 
-/* View v, of camera c and placement f at R, t. */
+/* Makes view v of camera c and placement f, with R and t. */
 static void see(int v, int c, int f, const double R[9], const double t[3])
 {
     const rigcal_transform T = test_transform(R, t);
@@ -324,7 +323,7 @@ static void build_adjusted(void)
     ok.rig.work_capacity = RIG_WORK;
     ASSERT_STATUS(RIGCAL_OK, rigcal_rig_adjust(&fit, NULL, &ok.rig));
     ok.fit = fit;
-    /* Searches that go on have a rig of their own. */
+    /* Searches that are under way have a rig of their own. */
     memcpy(cams, ok.poses, sizeof cams);
     memcpy(placements, ok.placements, sizeof placements);
     ok.rig.cams_from_rig = cams;
@@ -342,7 +341,7 @@ static void build_adjusted(void)
     ASSERT_STATUS(RIGCAL_OK, rigcal_rig_join_begin(&ok.join_begun, &joined));
 }
 
-/* The cameras' links; a choice that goes on, and one that has come to its end. */
+/* The links of the cameras; a choice under way, and one that has ended. */
 static void build_choice(void)
 {
     static rigcal_transform cams[N_CAMERAS], placements[N_PLACEMENTS];
@@ -372,8 +371,8 @@ static void build_choice(void)
     ASSERT_STATUS(RIGCAL_OK, rigcal_choose_begin(&ok.choose_begun, &choice, &rig));
 }
 
-/* A rig that is being judged, and one that has been; a cause that is sought, and one that
- * has been found. */
+/* A judgement under way, and one that has ended; a search for a cause under way, and one
+ * that has ended. */
 static void build_judgement(void)
 {
     static rigcal_transform cams[N_CAMERAS], placements[N_PLACEMENTS];
@@ -413,7 +412,7 @@ static void build_judgement(void)
     }
 }
 
-/* A rig whose intrinsics are being considered, and one of which they have been. */
+/* A rig whose intrinsics are being considered, and one for which this has ended. */
 static void build_considered(void)
 {
     static rigcal_real work[RIG_WORK], effects[CONSIDER_WORK];
@@ -437,7 +436,7 @@ static void build_considered(void)
     }
 }
 
-/* A rig that has been adjusted with clocks, of two frames that follow each other. */
+/* A rig that was adjusted with clocks, of two frames that follow each other. */
 static void build_clocks(void)
 {
     rigcal_rig rig;
@@ -464,8 +463,8 @@ static void build_clocks(void)
     TEST_ASSERT_EQUAL_INT32(RIGCAL_CLOCK_FREE, ok.clock_states[1]);
 }
 
-/* A rig whose faults are being looked for, one of which they have been, and what may be
- * told of a rig with free clocks, or a camera that moved. */
+/* A test for faults under way, and one that has ended; and what may be found for a rig with
+ * free clocks, or with a camera that moved. */
 static void build_faults(void)
 {
     static rigcal_real work[RIG_WORK], room[FAULTS_WORK];
@@ -507,7 +506,7 @@ static void build_faults(void)
     }
 }
 
-/* The states of searches come from the library: there is no other way. */
+/* Only the library can make the states of searches. */
 static void build_searches(void)
 {
     rigcal_real x[3];
@@ -545,7 +544,7 @@ static void build_pose_searches(void)
     ASSERT_STATUS(RIGCAL_OK, rigcal_pose_defaults(&ok.cold));
     ok.warm = ok.cold;
     ok.cold.sigma_px = REAL_SIGMA;
-    for (int i = 0; i < 4; i++) { /* of a tag near by, its top leaning back */
+    for (int i = 0; i < 4; i++) { /* corners of a tag nearby, its top leaning back */
         const rigcal_real x = RC(i == 1 || i == 2 ? 0.15 : -0.15);
         const rigcal_real y = RC(i < 2 ? 0.15 : -0.15);
         const rigcal_real X_c[3] = {x, RC(-0.8) * y, RC(0.7) + RC(0.6) * y};
@@ -599,7 +598,7 @@ static void build_store(void)
                                                UINT_7, UINT_7));
 }
 
-/* Matches that never fit. */
+/* Gives matches that never fit. */
 static void raise_alarm(void)
 {
     rigcal_monitor_report report = {0};
@@ -653,8 +652,8 @@ static void build_calibrated(void)
     raise_alarm();
 }
 
-/* Two cameras, and what they see of the first placement's origin; a point that is measured,
- * and one that has been. */
+/* Two cameras, and their pixels of the first placement's origin; a measurement of a point
+ * under way, and one that has ended. */
 static void build_point(void)
 {
     static rigcal_real work[2][RIGCAL_POINT_WORK(2)];
@@ -693,7 +692,7 @@ static void build_point(void)
     ok.other.X[0] += 1;
 }
 
-/* A band and what is made of it; three cameras, and what they see of one point. */
+/* A band and what is made from it; three cameras, and their pixels of one point. */
 static void build_match(void)
 {
     static const double X_a[3] = {0.2, -0.1, 4};
@@ -783,8 +782,8 @@ static void build_valid(void)
 
 /* ---- kinds of argument --------------------------------------------------- */
 
-/* A number that an input of some kind cannot have: `value` at `offset`, which
- * holds a rigcal_real or an int32_t. */
+/* A number that an input of this kind cannot have: `value` at `offset`, as a rigcal_real or
+ * an int32_t. */
 typedef struct {
     rigcal_status status;
     size_t offset;
@@ -896,7 +895,7 @@ static const impossible BAD_MOUNTED[] = {
     BAD_INT(rigcal_mounted_camera, has_Sigma, -1, RIGCAL_ERR_RANGE),
     BAD_INT(rigcal_mounted_camera, has_Sigma, 2, RIGCAL_ERR_RANGE),
     BAD_END};
-/* Bytes, of which four are written over. */
+/* Bytes, four of which are overwritten. */
 static const impossible BAD_SAVED[] = {
     {RIGCAL_ERR_FOREIGN, 0, 0, 0x43474952 + 1},
     {RIGCAL_ERR_DAMAGED, 8, 0, 1},
@@ -919,13 +918,13 @@ static const impossible BAD_SAVED_CAMERA[] = {
     BAD_INT(rigcal_mounted_camera, camera.lens, 2, RIGCAL_ERR_CAMERA),
     BAD_REAL(rigcal_mounted_camera, camera.fx, 0, RIGCAL_ERR_CAMERA),
     BAD_REAL(rigcal_mounted_camera, cam_from_rig.R[0], 2, RIGCAL_ERR_ROTATION), BAD_END};
-/* Written over the group of the first camera of two. */
+/* Overwrites the group of the first of two cameras. */
 static const impossible BAD_GROUP[] = {{RIGCAL_ERR_RANGE, 0, 0, -1},
                                        {RIGCAL_ERR_RANGE, 0, 0, 1},
                                        {RIGCAL_ERR_RANGE, 4, 0, 2},
                                        {RIGCAL_ERR_RANGE, 4, 0, INT32_MIN},
                                        BAD_END};
-/* An element of the first row, and one beside the diagonal. */
+/* An element of the first row, and one off the diagonal. */
 static const impossible BAD_JOINT[] = {BAD_NUMBER(-1, RIGCAL_ERR_RANGE),
                                        BAD_NUMBER(-1e-9, RIGCAL_ERR_RANGE),
                                        {RIGCAL_ERR_RANGE, sizeof(rigcal_real), 1, 1},
@@ -951,7 +950,7 @@ static const impossible BAD_TOLD[] = {
     BAD_INT(rigcal_faults, verdict, -1, RIGCAL_ERR_RANGE),
     BAD_INT(rigcal_faults, verdict, 4, RIGCAL_ERR_RANGE),
     BAD_INT(rigcal_faults, n, -1, RIGCAL_ERR_RANGE),
-    BAD_INT(rigcal_faults, n, 0, RIGCAL_ERR_RANGE), /* though one is named */
+    BAD_INT(rigcal_faults, n, 0, RIGCAL_ERR_RANGE), /* although a fault is named */
     BAD_INT(rigcal_faults, n_alike, -1, RIGCAL_ERR_RANGE),
     BAD_INT(rigcal_faults, n_alike, N_FAULTS, RIGCAL_ERR_RANGE),
     BAD_INT(rigcal_faults, n_cameras, -1, RIGCAL_ERR_RANGE),
@@ -997,8 +996,8 @@ static const impossible BAD_BAND[] = {
 static const impossible BAD_RAY[] = {BAD_NUMBER(3, RIGCAL_ERR_RANGE),
                                      BAD_NUMBER(-3, RIGCAL_ERR_RANGE), BAD_END};
 
-/* One element: its size, where its numbers are (they stand together), what it
- * cannot be, and what comes of all its bytes being 0, where that is told. */
+/* A kind of element: its size; the place of its numbers, which are contiguous; what it
+ * cannot be; and the status if all its bytes are 0, if that is fixed. */
 typedef struct {
     size_t size, first_real, n_reals;
     const impossible *bad;
@@ -1006,7 +1005,7 @@ typedef struct {
 } kind;
 
 #define REALS(n) sizeof(rigcal_real) * (n), 0, (n)
-/* A struct that is handed in by its parts: only whether it is there. */
+/* A struct that is given by its parts: only whether it is NULL matters. */
 static const kind THERE = {1, 0, 0, NULL, 0};
 static const kind NUMBER = {REALS(1), NULL, 0};
 static const kind POSITIVE = {REALS(1), NOT_POSITIVE, 0};
@@ -1031,13 +1030,13 @@ static const kind PAIR = {sizeof(rigcal_pair), 0, 6, NULL, 0};
 static const kind PAIR_OF_POINTS = {sizeof(rigcal_pair), 0, 6, BAD_INDEX, 0};
 static const kind VIEW_POSE = {sizeof(rigcal_view_pose), 0, 33, BAD_VIEW_POSE,
                                RIGCAL_ERR_ROTATION};
-/* All but its counts. */
+/* All of the struct except its counts. */
 static const kind MADE_POSE = {sizeof(rigcal_view_pose), 0, 34, NULL, 0};
 static const kind RIG_VIEW = {sizeof(rigcal_rig_view), 0, 0, BAD_RIG_VIEW, RIGCAL_ERR_NULL};
 static const kind VIEW_TO_MAKE = {sizeof(rigcal_rig_view), 0, 0, NULL, RIGCAL_ERR_NULL};
 static const kind FIT = {sizeof(rigcal_rig_fit), 0, 3, NULL, 0};
 static const kind MAT6 = {REALS(36), NULL, 0};
-/* Of an adjusted rig, which is not looked at again. */
+/* Poses of an adjusted rig, which are not checked again. */
 static const kind RIG_CAMS = {N_CAMERAS * sizeof(rigcal_transform), 0, 0, NULL, 0};
 static const kind RIG_PLACEMENTS = {N_PLACEMENTS * sizeof(rigcal_transform), 0, 0, NULL, 0};
 static const kind RIG_GROUPS = {N_CAMERAS * sizeof(int32_t), 0, 0, NULL, 0};
@@ -1081,13 +1080,13 @@ static const kind OPTIONS = {sizeof(rigcal_paper_options),
 static const kind POSE = {sizeof(rigcal_paper_pose), 0, 18, NULL, 0};
 static const kind SPREAD = {REALS(1), NOT_POSITIVE, RIGCAL_ERR_RANGE};
 static const kind ML_POSE = {REALS(15), NULL, 0};
-/* Of which `start` is not looked at. */
+/* Options whose member `start` is not read. */
 static const kind COLD = {sizeof(rigcal_pose_options),
                           offsetof(rigcal_pose_options, sigma_px), 1, BAD_COLD, 0};
 static const kind WARM = {sizeof(rigcal_pose_options),
                           offsetof(rigcal_pose_options, sigma_px), 13, BAD_WARM, 0};
 static const kind UNCERTAINTY = {REALS(46), NULL, 0};
-/* Internal, so that only "not begun" is asked of them. */
+/* These are internal. So the only test is that they were begun. */
 static const kind POSE_SOLVER = {sizeof(rigcal_pose_solver), 0, 0, NULL, RIGCAL_ERR_STATE};
 static const kind ROBUST = {sizeof(rigcal_robust_options), 0, 2, BAD_ROBUST,
                             RIGCAL_ERR_RANGE};
@@ -1116,8 +1115,8 @@ static const kind MOUNTED = {sizeof(rigcal_mounted_camera),
 static const kind SAVED = {RIGCAL_STORE_SIZE(2), 0, 0, BAD_SAVED, RIGCAL_ERR_FOREIGN};
 static const kind SAVED_RIG = {RIGCAL_STORE_RIG_SIZE(2, 1), 0, 0, BAD_SAVED_RIG,
                                RIGCAL_ERR_FOREIGN};
-/* The parts of a calibrated rig of two cameras: cameras that are not looked at, or only at
- * their poses, or at all but their covariances. */
+/* The parts of a calibrated rig of two cameras: its cameras are not read; or only their
+ * poses; or all of them except the covariances. */
 static const kind KEPT_UNREAD = {sizeof(rigcal_mounted_camera), 0, 0, NULL, 0};
 static const kind KEPT_POSE = {sizeof(rigcal_mounted_camera),
                                offsetof(rigcal_mounted_camera, cam_from_rig), 12, BAD_POSE,
@@ -1130,16 +1129,16 @@ static const kind KEPT_HELD = {2, 0, 0, NULL, RIGCAL_ERR_CAPACITY}; /* 0: both a
 static const kind KEPT_SIGMA = {REALS(21), NULL, 0};
 static const kind KEPT_JOINT = {REALS(21), BAD_JOINT, 0};
 static const kind KEPT_NUMBERS = {REALS(4), NEGATIVE, RIGCAL_ERR_STATE};
-/* Without a covariance poses count as exact. */
+/* Without a covariance, poses count as exact. */
 static const kind KEPT_OR_EXACT = {REALS(4), NEGATIVE, 0};
 static const kind SIGHTING = {sizeof(rigcal_sighting), offsetof(rigcal_sighting, uv), 2,
                               BAD_SIGHTING, 0};
-/* What a begin hands on to its steps. */
+/* Arguments that a begin passes on to its steps. */
 static const kind SIGMA_UNREAD = {sizeof(rigcal_real) * 21, 0, 0, NULL, 0};
 static const kind SIGHTING_UNREAD = {sizeof(rigcal_sighting), 0, 0, NULL, 0};
 static const kind NOISE_UNREAD = {sizeof(rigcal_real), 0, 0, NULL, 0};
 static const kind POINT_UNREAD = {sizeof(rigcal_point_solver), 0, 0, NULL, 0};
-/* All but what the caller sets. */
+/* All members except those that the caller sets. */
 static const kind MEASURED = {offsetof(rigcal_measured_point, gains), 0, 0, NULL, 0};
 static const kind END = {sizeof(rigcal_measured_point), 0, 3, NULL, RIGCAL_ERR_NULL};
 static const kind POINT_SOLVER = {sizeof(rigcal_point_solver), 0, 0, NULL,
@@ -1164,17 +1163,17 @@ static const kind SAVED_INFO = {sizeof(rigcal_saved_info), 0, 0, NULL, 0};
 
 typedef enum {
     NONE,       /* end of the list */
-    R_OUT,      /* all of it written on success, none of it on failure */
-    R_OUT_PART, /* perhaps not all of it */
+    R_OUT,      /* an output: all of it is written on success, none on failure */
+    R_OUT_PART, /* an output of which a part may stay */
     R_OUT_OPT,  /* may be NULL */
     R_OUT_BAD,  /* may be NULL; always written: an index, or -1 */
-    R_WORK,     /* must be there, may be written at any time */
-    R_STATE,    /* read and written; untouched when the arguments are refused */
-    R_IN,       /* read, each number checked */
+    R_WORK,     /* must not be NULL; may be written at any time */
+    R_STATE,    /* is read and written; stays unchanged if the arguments are refused */
+    R_IN,       /* is read; each number is checked */
     R_IN_OPT,   /* may be NULL */
-    R_UNREAD,   /* may be NULL; may hold anything */
-    R_VALUE,    /* a number handed over by value, checked */
-    R_ANY,      /* the same, of which NaN and infinity are good values too */
+    R_UNREAD,   /* may be NULL; may contain anything */
+    R_VALUE,    /* a number by value, which is checked */
+    R_ANY,      /* a number by value; NaN and infinity are valid too */
     R_COUNT     /* an integer by value, from `low` to `high` */
 } role;
 
@@ -1183,8 +1182,8 @@ typedef struct {
     const kind *kind;
     size_t n;
     const void *valid;     /* n elements; NULL for outputs */
-    int64_t low, high;     /* of a count; `high` 0: no limit that can be tried */
-    rigcal_status outside; /* its status below low or above high; 0: any */
+    int64_t low, high;     /* limits of a count; high = 0: no limit that can be tried */
+    rigcal_status outside; /* status of a count below `low` or above `high`; 0: any */
 } argument;
 
 #define OUT(kind, n) \
@@ -1231,12 +1230,12 @@ typedef struct {
     { \
         R_COUNT, &SIZE, 1, valid, low, INT64_C(1) << 28, status \
     }
-/* Of pairs there may be four a point. */
+/* The number of pairs may be four times that of points. */
 #define PAIRS(valid, low, status) \
     { \
         R_COUNT, &SIZE, 1, valid, low, INT64_C(1) << 30, status \
     }
-/* Of room there is never too much. */
+/* A capacity can never be too large. */
 #define ROOM(valid, low, status) \
     { \
         R_COUNT, &SIZE, 1, valid, low, 0, status \
@@ -1246,21 +1245,21 @@ typedef struct {
     { \
         R_COUNT, &SIZE, 1, valid, 1, RIGCAL_STORE_CAMERAS_MAX, RIGCAL_ERR_TOO_FEW \
     }
-/* A view by its parts: camera, observations, sigma, n. */
+/* A view given by its parts: camera, observations, sigma, n. */
 #define VIEW_OF_N(least) \
     IN(THERE, 1, &INT_1), IN(CAMERA, 1, &ok.camera), IN(OBSERVATION, N, ok.observations), \
         IN_OPT(SPREAD, N, ok.spreads), COUNT(&SIZE_6, least, RIGCAL_ERR_TOO_FEW)
-/* The same, where sigma does not count and is not read. */
+/* The same, for functions that do not read sigma. */
 #define VIEW_WITHOUT_SIGMA(least) \
     IN(THERE, 1, &INT_1), IN(CAMERA, 1, &ok.camera), IN(OBSERVATION, N, ok.observations), \
         {R_UNREAD, &NUMBER, N, ok.spreads, 0, 0, 0}, \
         COUNT(&SIZE_6, least, RIGCAL_ERR_TOO_FEW)
-/* A number of one of so many. */
+/* An index below n. */
 #define LESS(valid, n) \
     { \
         R_COUNT, &SIZE, 1, valid, 0, (n)-1, RIGCAL_ERR_RANGE \
     }
-/* A rig by its parts: itself, cams_from_rig, n_cameras, rig_from_placements, group,
+/* A rig given by its parts: itself, cams_from_rig, n_cameras, rig_from_placements, group,
  * n_views, work, work_capacity. */
 #define RIG_OF(cams, placements, group, work) \
     IN(THERE, 1, &INT_1), cams, COUNT(&SIZE_3, 1, RIGCAL_ERR_TOO_FEW), placements, group, \
@@ -1271,10 +1270,10 @@ typedef struct {
         COUNT(&SIZE_3, 1, RIGCAL_ERR_TOO_FEW), placements, WORK(INT32, N_CAMERAS), \
         COUNT(&SIZE_6, 1, RIGCAL_ERR_TOO_FEW), WORK(NUMBER, JUDGE_WORK), \
         ROOM(&SIZE_TO_JUDGE, JUDGE_WORK, RIGCAL_ERR_CAPACITY)
-/* Whether it is there, second_poses, takes, sigma_px. */
+/* A choice given by its parts: whether it is NULL, second_poses, takes, sigma_px. */
 #define JUDGE_CHOICE(second) \
     IN(THERE, 1, &INT_1), second, STATE(TAKES, ok.takes), VALUE(POSITIVE, &REAL_SIGMA)
-/* With the poses of its views, a judgement and a symmetry by its parts. */
+/* A rig with the poses of its views, a judgement and a symmetry, given by their parts. */
 #define RIG_OF_CAUSE \
     IN(THERE, 1, &INT_1), IN(TRANSFORM, N_CAMERAS, ok.poses), \
         COUNT(&SIZE_3, 1, RIGCAL_ERR_TOO_FEW), IN(TRANSFORM, N_PLACEMENTS, ok.placements), \
@@ -1287,7 +1286,7 @@ typedef struct {
         COUNT(&SIZE_3, 1, RIGCAL_ERR_TOO_FEW), WORK(TRANSFORM, N_PLACEMENTS), \
         WORK(INT32, N_CAMERAS), COUNT(&SIZE_6, 1, RIGCAL_ERR_TOO_FEW), \
         WORK(NUMBER, CHOOSE_WORK), ROOM(&SIZE_CHOOSE, CHOOSE_WORK, RIGCAL_ERR_CAPACITY)
-/* A calibrated rig by its parts: itself, cameras, group, held, capacity, Sigma,
+/* A calibrated rig given by its parts: itself, cameras, group, held, capacity, Sigma,
  * Sigma_capacity, n_cameras, its numbers. */
 #define KEPT_OF(cameras, Sigma) \
     IN(THERE, 1, &INT_1), IN(cameras, 2, ok.mounted), IN(KEPT_GROUPS, 1, ok.kept_group), \
@@ -1295,8 +1294,8 @@ typedef struct {
         IN(Sigma, 1, ok.kept_Sigma), \
         ROOM(&SIZE_KEPT, RIGCAL_CALIBRATED_SIZE(1), RIGCAL_ERR_CAPACITY), \
         CAMERAS(&SIZE_2), IN(KEPT_NUMBERS, 1, ok.kept_numbers)
-/* What cameras saw, by its parts: the rig, seen, n, sigma_px, parallax_least, work,
- * work_capacity. */
+/* What cameras saw of a point, given by its parts: the rig, seen, n, sigma_px,
+ * parallax_least, work, work_capacity. */
 #define SIGHTINGS_OF(cameras, Sigma, what, spread) \
     IN(THERE, 1, &INT_1), IN(cameras, 2, ok.mounted), IN(KEPT_GROUPS, 1, ok.kept_group), \
         IN(KEPT_HELD, 1, ok.kept_held), ROOM(&SIZE_2, 2, RIGCAL_ERR_CAPACITY), \
@@ -1308,17 +1307,17 @@ typedef struct {
         IN_OPT(spread, 2, ok.spreads), VALUE(TOLERANCE, &REAL_PARALLAX), \
         WORK(NUMBER, RIGCAL_POINT_WORK(2)), \
         ROOM(&SIZE_POINT, RIGCAL_POINT_WORK(2), RIGCAL_ERR_CAPACITY)
-/* One that is written: all but the last two. */
+/* A calibrated rig as an output: all parts except the last two. */
 #define KEPT_OUT(n, n_Sigma, size) \
     IN(THERE, 1, &INT_1), OUT_PART(MOUNTED, n), OUT(INT32, n), OUT(BYTES, n), \
         ROOM(&SIZE_##n, n, RIGCAL_ERR_CAPACITY), OUT(NUMBER, n_Sigma), \
         ROOM(&size, n_Sigma, RIGCAL_ERR_CAPACITY)
-/* A pair by its parts: itself, camera_a, camera_b, b_from_a, Sigma, its numbers. */
+/* A pair given by its parts: itself, camera_a, camera_b, b_from_a, Sigma, its numbers. */
 #define PAIR_OF \
     IN(THERE, 1, &INT_1), IN(CAMERA, 1, &ok.camera), IN(CAMERA, 1, &ok.camera), \
         IN(TRANSFORM, 1, &ok.b_from_a), IN(PAIR_SIGMA, 1, ok.pair_Sigma), \
         IN(PAIR_NUMBERS, 1, ok.pair_numbers)
-/* One that has been adjusted; `memory` is the kind of its work. */
+/* A rig that was adjusted. `memory` is the kind of its work array. */
 #define RIG_DONE RIG_WITH_MEMORY(RIG_MEMORY)
 #define RIG_WITH_MEMORY(memory) \
     IN(THERE, 1, &INT_1), STATE(RIG_CAMS, ok.poses), \
@@ -1332,7 +1331,7 @@ typedef struct {
         CHOICE(&INT_0, 0, RIGCAL_FAULTS_ALL, RIGCAL_ERR_RANGE), \
         CHOICE(&INT_0, 0, 0, RIGCAL_ERR_RANGE), WORK(NUMBER, FAULTS_WORK), \
         ROOM(&SIZE_FAULTS, 4, RIGCAL_ERR_CAPACITY), IN_OPT(BYTES, N_PLACEMENTS, ok.takes)
-/* Of a tag every number is good. */
+/* Every number is valid for a tag. */
 #define ANY_INTEGER(valid) \
     { \
         R_COUNT, &INT32, 1, valid, INT32_MIN, 0, 0 \
@@ -1402,8 +1401,8 @@ typedef struct {
     }
 #define F(name) "rigcal_" #name, call_##name
 
-/* The view whose parts are arguments k to k + 4, and the rig of k to k + 7; NULL where
- * argument k is. */
+/* The view whose parts are arguments k to k + 4, and the rig of arguments k to k + 7. NULL
+ * if argument k is NULL. */
 #define VIEW_AT(k) \
     ((p[k]) ? &VIEW(p[(k) + 1], p[(k) + 2], p[(k) + 3], COUNTED(p[(k) + 4])) : NULL)
 #define RIG_AT(k) \
@@ -1422,7 +1421,7 @@ typedef struct {
     .cameras = p[(k) + 1], .group = p[(k) + 2], .held = p[(k) + 3], \
     .capacity = COUNTED(p[(k) + 4]), .Sigma = p[(k) + 5], \
     .Sigma_capacity = COUNTED(p[(k) + 6])
-/* A calibrated rig, whose numbers are argument k + 8; one without content. */
+/* A calibrated rig, whose numbers are argument k + 8; and one without content. */
 #define KEPT_AT(k) \
     (p[k] ? with_numbers(&(rigcal_calibrated_rig){KEPT_ARRAYS(k), \
                                                   .n_cameras = COUNTED(p[(k) + 7])}, \
@@ -1460,7 +1459,7 @@ static const rigcal_sightings *sightings_at(void *const p[],
 
 #define PAIR_AT(k) pair_of(p[k], p[(k) + 1], p[(k) + 2], p[(k) + 3], p[(k) + 4], p[(k) + 5])
 
-/* Arrays of a pair are no pointers of it: without one there is no pair. */
+/* The arrays of a pair are its members, not pointers: without an array there is no pair. */
 static rigcal_match_pair *pair_of(const void *is_there, const void *camera_a,
                                   const void *camera_b, const void *b_from_a,
                                   const void *Sigma, const void *numbers)
@@ -1478,7 +1477,7 @@ static rigcal_match_pair *pair_of(const void *is_there, const void *camera_a,
     return &pair;
 }
 
-/* What is read of a transfer: uv and Sigma. */
+/* The parts of a transfer that are read: uv and Sigma. */
 static const rigcal_transfer *transfer_of(const void *numbers)
 {
     static rigcal_transfer transfer;
@@ -1487,7 +1486,7 @@ static const rigcal_transfer *transfer_of(const void *numbers)
     return &transfer;
 }
 
-/* A point that is written, by what comes before its gains, which are not wanted. */
+/* A point as an output, as far as its gains, which are not used. */
 static rigcal_status measure_to(void *out, uint8_t used[], const rigcal_sightings *s,
                                 const rigcal_point_solver *solver)
 {
@@ -1508,7 +1507,7 @@ static rigcal_status measure_to(void *out, uint8_t used[], const rigcal_sighting
     return status;
 }
 
-/* With the views, or their poses, as argument k + 8. */
+/* A rig with the views, or their poses, as argument k + 8. */
 #define RIG_WITH(k, what) with_##what(RIG_AT(k), p[k], p[(k) + 8])
 
 static rigcal_rig *with_views(rigcal_rig *rig, const void *is_there, const void *views)
@@ -1569,7 +1568,7 @@ static rigcal_rig *with_clocks(rigcal_rig *rig, const void *is_there,
     return rig;
 }
 
-/* Clocks of which only the offsets and the frame count. */
+/* Clocks for a function that uses only the offsets and the frame. */
 static const rigcal_rig_clocks *clocks_of(const void *is_there, void *offsets,
                                           const void *frame)
 {
@@ -1592,7 +1591,7 @@ static const rigcal_faults_options *faults_by(void *const p[])
     return p[12] ? &options : NULL;
 }
 
-/* What was found, with clocks beside it. */
+/* The faults that were found, with clocks. */
 static const rigcal_faults *told_of(const void *told, const void *clocks)
 {
     static rigcal_faults found;
@@ -2285,7 +2284,7 @@ static const function FUNCTIONS[] = {
 /* clang-format on */
 enum { N_FUNCTIONS = sizeof FUNCTIONS / sizeof FUNCTIONS[0] };
 
-/* Those that take plain numbers only and have an answer for every one. */
+/* Functions that take only plain numbers and have an answer for all of them. */
 static const char *const HARMLESS[] = {
     "rigcal_version",        "rigcal_sizeof_real",
     "rigcal_status_name",    "rigcal_status_text",
@@ -2302,7 +2301,7 @@ enum { N_HARMLESS = sizeof HARMLESS / sizeof HARMLESS[0] };
 
 /* ---- one call ------------------------------------------------------------ */
 
-/* The function on trial, its buffers, what is being done to it. */
+/* The function under test, its buffers, and what is being changed. */
 static const function *current;
 static unsigned char *buffer[MAX_ARGUMENTS];
 static char what[160];
@@ -2340,7 +2339,7 @@ static void complain(const char *text, rigcal_status status)
     }
 }
 
-/* Outputs filled with a byte, inputs valid. */
+/* Fills outputs with a byte, and sets inputs to valid values. */
 static void refresh(int byte)
 {
     for (int i = 0; i < n_arguments(); i++) {
@@ -2369,7 +2368,7 @@ static void put_real(unsigned char *bytes, double value)
     memcpy(bytes, &x, sizeof x);
 }
 
-/* The place of number `k` of an argument. */
+/* The address of number `k` of an argument. */
 static unsigned char *real_of(int i, size_t k)
 {
     const kind *type = current->arguments[i].kind;
@@ -2420,8 +2419,8 @@ static void expect_finite(int i, rigcal_status status)
     }
 }
 
-/* Calls, argument `absent` being NULL (-1: none), and holds the outcome against
- * what is always promised. */
+/* Makes the call, with argument `absent` NULL (-1: none), and checks what is always
+ * promised. */
 static rigcal_status call(int absent, int byte)
 {
     void *p[MAX_ARGUMENTS];
@@ -2515,7 +2514,8 @@ static int has_checked_reals(int i)
     return r == R_IN || r == R_IN_OPT || r == R_UNREAD || r == R_VALUE || r == R_ANY;
 }
 
-/* An emulated target tries one value in so many of each number, other ones of the next. */
+/* An emulated target tries one in STEP values of each number, and other values of the next
+ * number. */
 enum { STEP = TEST_ONE_IN > 1 ? 8 : 1 };
 
 static void not_finite_numbers(void)
@@ -2543,7 +2543,7 @@ static void not_finite_numbers(void)
     }
 }
 
-/* One number, or all (k = n_reals). */
+/* Changes one number, or all (k = n_reals). */
 static void disturb(int i, size_t k, double factor, double value)
 {
     const size_t n = n_reals(i);
@@ -2647,7 +2647,7 @@ static void counts_and_options(void)
     }
 }
 
-/* In the first, then in the last element of each input. */
+/* Tries them in the first and in the last element of each input. */
 static void impossible_numbers(void)
 {
     for (int i = 0; i < n_arguments(); i++) {
@@ -2733,7 +2733,7 @@ static int is_in_table(const char *name)
     return n;
 }
 
-/* The next function that the header declares from *text on: the word before the
+/* The name of the next function that the header declares from *text on: the word before the
  * first parenthesis after RIGCAL_API. */
 static int next_function(char name[64], const char **text)
 {
@@ -2757,7 +2757,7 @@ static int next_function(char name[64], const char **text)
     return 1;
 }
 
-/* How many functions a public header declares, each of which is in the table. */
+/* The number of functions that a public header declares. Each must be in the table. */
 static int functions_of(const char *path)
 {
     static char header[100000];
@@ -2891,7 +2891,7 @@ static void test_the_size_of_a_text_can_be_asked_for(void)
     TEST_ASSERT_EQUAL_UINT64(n_needed, strlen(text) + 1);
 }
 
-/* One kind at a time is the least: then another needs more. */
+/* At least one kind fits at a time; then another one needs more. */
 static void test_faults_that_have_no_room_are_refused_before_the_first(void)
 {
     static rigcal_real work[RIG_WORK], room[FAULTS_WORK];
@@ -2937,7 +2937,7 @@ static void test_pairs_for_any_number_of_points_does_not_wrap_round(void)
     TEST_ASSERT_EQUAL_UINT64((size_t)1 << 30, rigcal_pairs_for((size_t)1 << 28));
 }
 
-/* The valid arguments are made before the first test, whichever that is. */
+/* Makes the valid arguments before the first test, whichever that is. */
 void setUp(void)
 {
     static int is_built;

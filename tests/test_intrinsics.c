@@ -1,6 +1,6 @@
-/* intrinsics: how a projection changes with the camera's own numbers. The truth is the
- * projection by the formulas of rigcal.h with other numbers: it is linear in each of them,
- * so a difference is exact. */
+/* intrinsics: how a projection changes with the camera's intrinsics. The truth is the
+ * projection by the formulas of rigcal.h with other intrinsics. It is linear in each of
+ * them, so a difference quotient is exact. */
 #include <math.h>
 
 #include "rc_intrinsics.h"

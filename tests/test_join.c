@@ -1,4 +1,4 @@
-/* join: all cameras and placements from the poses of the views, weighed by their
+/* join: all cameras and placements from the poses of the views, weighted by their
  * information. The truth: simulated rigs, and the bound of maximum likelihood. */
 #include <math.h>
 #include <string.h>
@@ -13,7 +13,7 @@ static test_rig r;
 #define TOL_ENTRY TOL(1e-12, 2e-5)
 #define TOL_LENGTH TOL(1e-11, 2e-4)
 
-/* From nothing: what stood there before does not count. */
+/* Starts with arrays full of other values, which must not matter. */
 static rigcal_status join(void)
 {
     int32_t at_fault = -2;
@@ -26,8 +26,7 @@ static rigcal_status join(void)
     return status;
 }
 
-/* The poses of the views as they are in truth; `strength` is the information of each
- * number. */
+/* Gives the views their true poses. `strength` is the information on each number. */
 static void give_true_poses(double strength)
 {
     for (size_t v = 0; v < r.rig.n_views; v++) {
@@ -70,7 +69,7 @@ static void test_exact_poses_give_the_rig(void)
     }
 }
 
-/* Camera c and c + 1 share placement c alone, in an order of the cameras at random. */
+/* Cameras c and c + 1 share only placement c. The order of the cameras is random. */
 static void test_a_chain_of_neighbours_is_joined(void)
 {
     test_rng rng = test_seed(342);
@@ -96,7 +95,7 @@ static void test_a_chain_of_neighbours_is_joined(void)
     }
 }
 
-/* Of each group the first camera is the frame, if none is held. */
+/* If no camera is held, the first camera of each group is the frame. */
 static void test_each_group_has_a_frame_of_its_own(void)
 {
     static const rigcal_transform ORIGIN = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
@@ -142,7 +141,7 @@ static void test_a_camera_that_is_held_stays_and_is_the_frame(void)
     ASSERT_STATUS(RIGCAL_ERR_ROTATION, rigcal_rig_join(&r.rig, &at_fault));
 }
 
-/* A view that knows next to nothing, and is wrong, moves nothing. */
+/* A wrong view with almost no information does not move the rig. */
 static void test_a_view_counts_by_its_information(void)
 {
     static const double OFF[6] = {0.05, -0.03, 0.04, 0.1, 0.1, -0.1};
@@ -160,8 +159,8 @@ static void test_a_view_counts_by_its_information(void)
     ASSERT_TRANSFORM(&r.true_cams[1], &r.cams[1], 2e-6, 3e-6);
 }
 
-/* Two views of two cameras, one in error by d, of which one has three times the
- * information: camera 1 moves by what the harmonic sums of the informations say. */
+/* Two views of two cameras. One is off by d, and one has three times the information.
+ * Camera 1 must move as the harmonic sums of the informations say. */
 static void test_two_placements_are_averaged_by_information(void)
 {
     static const double OFF[6] = {0, 0, 0, 0.01, -0.02, 0.03};
@@ -172,7 +171,7 @@ static void test_two_placements_are_averaged_by_information(void)
     test_rig_random(&r, &rng, 2, 2, 6);
     test_rig_see_all(&r, &rng, 0);
     give_true_poses(1);
-    /* Turns are known exactly, so that shifts alone are averaged. */
+    /* Turns are known exactly, so only shifts are averaged. */
     for (int v = 0; v < 4; v++) {
         for (int k = 0; k < 6; k++) {
             static const int TURNS[3] = {0, 3, 5}, SHIFTS[3] = {15, 18, 20};
@@ -223,7 +222,7 @@ static void test_the_budget_changes_no_bit(void)
     }
 }
 
-/* To first order: the quadratics of the views stand for their points. */
+/* To first order, the quadratic functions of the views replace their points. */
 static void test_the_fit_is_that_of_the_adjustment(void)
 {
     test_rng rng = test_seed(350);
@@ -251,8 +250,8 @@ static void test_the_fit_is_that_of_the_adjustment(void)
 
 /* ---- statistics ---------------------------------------------------------- */
 
-/* rms of error over the bound, sqrt(chi square / 6), of camera 1 by the covariance that the
- * adjustment finds at the truth of each rig. */
+/* The rms of the error over the bound, sqrt(chi square / 6), for camera 1. The covariance
+ * is that of an adjustment at the truth of each rig. */
 static double error_over_bound(test_rng *rng, int n_cameras, int n_placements, int rigs)
 {
     double sum = 0;
@@ -298,7 +297,8 @@ static void test_more_cameras_come_near_the_bound(void)
     TEST_ASSERT_TRUE(ratio > 0.94 && ratio < 1.1);
 }
 
-/* Exact poses give the rig at once: the adjustment that follows has nothing to do. */
+/* Exact poses give the rig at once, so the adjustment that follows has nothing left to
+ * do. */
 static void test_the_adjustment_starts_at_the_joined_cameras(void)
 {
     test_rng rng = test_seed(347);

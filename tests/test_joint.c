@@ -1,5 +1,5 @@
-/* joint: the covariance of cameras, and of what hangs on them. The truth is full matrices
- * in double, and numerical differences of b_from_a. */
+/* joint: the covariance of cameras, and of what depends on them. The truth is made with
+ * full matrices in double, and difference quotients of b_from_a. */
 #include <math.h>
 #include <string.h>
 
@@ -56,7 +56,8 @@ static void test_blocks_are_those_of_the_full_matrix(void)
     }
 }
 
-/* d = sum of W_i^T d_i: of two cameras, of one that is held, and of one a second time. */
+/* d = sum of W_i^T d_i, for two cameras, for one that is held, and for one that occurs
+ * twice. */
 static void test_what_hangs_on_cameras_has_their_covariance(void)
 {
     static const int AT[4] = {6, -1, 0, 6};

@@ -12,7 +12,7 @@ static test_boards b, other;
 
 #define WANTS_BOARDS(n) TEST_WANTS_RAM((n) * sizeof(test_boards) + 20000)
 
-/* Solve, choose, judge; the status of the last. */
+/* Solves, chooses and judges. Returns the status of the last. */
 static rigcal_status judge(test_boards *which)
 {
     int32_t at_fault = -2;
@@ -54,10 +54,10 @@ static void test_where_nothing_is_wrong_no_view_is_named(void)
             TEST_ASSERT_EQUAL_UINT8(0, b.left_out[v]);
         }
     }
-    ASSERT_NEAR(2, scale, 1); /* of noise alone, M is 1 but for chance */
+    ASSERT_NEAR(2, scale, 1); /* with noise alone M is about 1 */
 }
 
-/* All views are bent, some more: sqrt F is 3 to 7. */
+/* All views are bent, some of them more: sqrt F is 3 to 7. */
 static void test_where_all_views_are_bent_no_view_is_named(void)
 {
     WANTS_BOARDS(1);
@@ -74,13 +74,14 @@ static void test_where_all_views_are_bent_no_view_is_named(void)
 /* ---- views that are wrong -------------------------------------------------- */
 
 typedef struct {
-    int wrong, wrong_named;   /* where two right ones or more outnumber the wrong ones */
+    int wrong, wrong_named;   /* in placements with two or more right views that outnumber
+                                 the wrong ones */
     int right, right_named;   /* the same */
     int all_wrong, all_named; /* anywhere */
 } shares;
 
-/* Where it can be known: the right views of the placement are two or more, and more than
- * the wrong ones. */
+/* Counts placements in which the wrong views can be known: two or more views are right, and
+ * more than are wrong. */
 static void count(shares *n, const test_boards *which)
 {
     for (size_t v = 0; v < which->rig.n_views; v++) {
@@ -105,7 +106,7 @@ static void count(shares *n, const test_boards *which)
 
 enum { REPLACED, REVERSED, SWAPPED };
 
-/* One view in ten, what is wrong with it being the same for all. */
+/* Makes one view in ten wrong, all in the same way. */
 static void spoil(test_boards *which, test_rng *rng, int how)
 {
     const size_t n = which->rig.n_views;
@@ -149,10 +150,10 @@ static void assert_spoilt_views_are_named(int how, double pattern_px)
     TEST_ASSERT_EQUAL_INT(n.wrong, n.wrong_named);
     TEST_ASSERT_EQUAL_INT(0, n.right_named);
     if (TEST_ONE_IN > 1) {
-        return; /* too few for what follows */
+        return; /* too few views for the checks below */
     }
     TEST_ASSERT_TRUE(n.wrong >= 2 * rigs || how == SWAPPED);
-    /* Of all wrong views all but those that agree with each other. */
+    /* All wrong views must be named, except those that agree with each other. */
     TEST_ASSERT_TRUE(n.all_named >= (how == REVERSED ? 0.8 : 0.95) * n.all_wrong);
     if (!(pattern_px > 0)) {
         ASSERT_NEAR(1, sqrt(error / rigs), 0.15);
@@ -178,7 +179,7 @@ static void test_views_of_swapped_cameras_are_named(void)
     assert_spoilt_views_are_named(SWAPPED, 0);
 }
 
-/* All its views are out, so it has no frame: its pose is not made up. */
+/* All its views are left out, so it has no frame, and no pose is invented for it. */
 static void test_a_camera_that_is_late_is_left_out(void)
 {
     shares n = {0, 0, 0, 0, 0, 0};
@@ -201,8 +202,8 @@ static void test_a_camera_that_is_late_is_left_out(void)
     TEST_ASSERT_EQUAL_INT(0, n.right_named);
 }
 
-/* The views that are wrong, taken to be right by who joined, bend the rig: the largest cost
- * in each placement goes first. */
+/* Wrong views that the joiner took for right bend the rig. The view with the largest cost
+ * in each placement is left out first. */
 static void test_wrong_views_that_were_joined_are_named(void)
 {
     WANTS_BOARDS(1);
@@ -213,7 +214,7 @@ static void test_wrong_views_that_were_joined_are_named(void)
         test_boards_reverse(&b, 9 + trial);
         test_boards_replace(&b, 30, 26);
         test_boards_solve(&b);
-        b.choice.sigma_px = RC(NOISE); /* takes is 0, poses are at the truth */
+        b.choice.sigma_px = RC(NOISE); /* takes is 0; the poses are the true ones */
         ASSERT_STATUS(
             RIGCAL_VIEWS_LEFT_OUT,
             rigcal_rig_judge(&b.judgement, NULL, b.judged, b.left_out, &b.choice, &b.rig));
@@ -228,7 +229,7 @@ static void test_wrong_views_that_were_joined_are_named(void)
     }
 }
 
-/* The rig is then that of the other views alone. */
+/* Then the rig is that of the other views alone. */
 static void test_a_named_view_does_not_touch_the_rig(void)
 {
     test_rng rng = test_seed(1700), again = test_seed(1700);
@@ -251,8 +252,9 @@ static void test_a_named_view_does_not_touch_the_rig(void)
     ASSERT_NEAR(fit.sum, b.judgement.fit.sum, TOL(1e-6, 1e-3) * D(fit.sum));
 }
 
-/* Of one right view and nine wrong ones of a camera the right one goes too: nothing else
- * says where the camera is. It stays where the camera is held, or has a prior. */
+/* A camera has one right view and nine wrong ones. The right one is left out too, because
+ * nothing else says where the camera is. If the camera is held or has a prior, the right
+ * view stays. */
 static void test_the_only_right_view_of_a_camera_stays_if_its_pose_is_known(void)
 {
     enum { LATE = 1 };
@@ -309,14 +311,14 @@ static void test_of_two_views_that_contradict_each_other_both_are_named(void)
     }
 }
 
-/* A rig of whose placement 4 camera 2 has the only view, which is wrong. */
+/* A rig in which only camera 2 sees placement 4, and this view is wrong. */
 static int make_unshared(void)
 {
     test_rng rng = test_seed(1900);
     int gone;
 
     test_boards_make(&b, &rng, 3, 6, 3, NOISE, 0);
-    for (int c = 0; c < 2; c++) { /* placement 4 is camera 2's alone */
+    for (int c = 0; c < 2; c++) { /* only camera 2 sees placement 4 */
         gone = test_boards_view(&b, c, 4);
         b.rig.n_views--;
         for (size_t v = (size_t)gone; v < b.rig.n_views; v++) {
@@ -363,8 +365,8 @@ static void test_a_view_that_nobody_shares_is_unchecked_if_it_is_left_out_too(vo
 
 /* ---- second poses ---------------------------------------------------------- */
 
-/* A view whose second pose is the right one: it is taken although the choice left the view
- * out. */
+/* A view whose second pose is the right one: the judge takes it, although the choice left
+ * the view out. */
 static void test_a_second_pose_is_taken_up(void)
 {
     static rigcal_view_pose second[BOARD_VIEWS_MAX];
@@ -454,7 +456,7 @@ static void test_what_cannot_be_judged_is_refused(void)
     b.takes[3] = 3;
     ASSERT_STATUS(RIGCAL_ERR_RANGE, JUDGE);
     TEST_ASSERT_EQUAL_INT32(3, at_fault);
-    b.takes[3] = RIGCAL_TAKES_SECOND; /* there is none */
+    b.takes[3] = RIGCAL_TAKES_SECOND; /* there is no such pose */
     ASSERT_STATUS(RIGCAL_ERR_RANGE, JUDGE);
     memset(b.takes, RIGCAL_TAKES_NONE, sizeof b.takes);
     ASSERT_STATUS(RIGCAL_ERR_TOO_FEW, JUDGE);

@@ -1,6 +1,6 @@
-/* judge and cause on real cameras: the sets of examples/data as they are, of which no view
- * is named, and the stereo set with one view or all of a camera in reverse. Reads files, so
- * it runs on a host only. */
+/* judge and cause on real cameras: the sets of examples/data, in which no view must be
+ * named, and the stereo set with one view, or all views of a camera, in reverse. It reads
+ * files, so it runs only on a host. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -39,7 +39,7 @@ static FILE *open_data(const char *set, const char *file)
     return stream;
 }
 
-/* The number of a name in a list, to which it is added. */
+/* The number of a name in a list. A new name is added. */
 static int number_of(char names[][NAME], size_t *n, int most, const char *name)
 {
     for (size_t i = 0; i < *n; i++) {
@@ -70,7 +70,7 @@ static void read_cameras(const char *set)
     fclose(stream);
 }
 
-/* A placement's views follow one another: the file has them so, but for its order. */
+/* Sorts views by placement: the file has them in another order. */
 static int by_placement(const void *a, const void *b)
 {
     const rigcal_rig_view *const p = a, *const q = b;
@@ -122,7 +122,7 @@ static void read_set(const char *set)
     r.choice.second_poses = r.second;
 }
 
-/* Both poses of a view. */
+/* Finds both poses of a view. */
 static void solve(size_t v)
 {
     rigcal_pose poses[2];
@@ -155,7 +155,7 @@ static void solve_all(const char *set)
     }
 }
 
-/* `scale`: how many times that of noise the limit is. */
+/* `scale`: the limit as a multiple of that for noise. */
 static void assert_no_view_is_named(const char *set, double scale)
 {
     solve_all(set);
@@ -187,7 +187,7 @@ static void reverse(size_t v)
     solve(v);
 }
 
-/* The turn of the board of 54 corners. */
+/* The permutation that turns the board of 54 corners. */
 static int32_t turn[54];
 
 static rigcal_symmetries symmetries(void)
@@ -217,7 +217,7 @@ static void test_each_view_of_the_stereo_set_in_reverse_is_told(void)
         ASSERT_STATUS(RIGCAL_OK, rigcal_rig_cause(&cause, &r.rig, &r.judgement, &known, v));
         TEST_ASSERT_EQUAL_INT32(RIGCAL_CAUSE_TURNED, cause.cause);
         TEST_ASSERT_EQUAL_INT32(0, cause.permutation);
-        /* The rig is that of the other placements. */
+        /* The rig must be that of the other placements. */
         rigcal_rig_fit fit;
         const rigcal_transform judged = r.cams[1];
         ASSERT_STATUS(RIGCAL_OK, rigcal_rig_join(&r.rig, NULL));

@@ -1,6 +1,6 @@
-/* layout: the account that the library gives of its structs, which bindings believe. The
- * truth is the compiler's: offsetof and sizeof of the headers as a caller sees them.
- * Whether the list names every field of the headers is for tests/checks/check_layout.py. */
+/* layout: the list of structs that the library gives to bindings. The truth is the
+ * compiler's: offsetof and sizeof of the headers as a caller sees them.
+ * tests/checks/check_layout.py checks that the list names every field of the headers. */
 #include <stddef.h>
 #include <string.h>
 
@@ -13,7 +13,7 @@
 static const rigcal_layout_entry EXPECTED[] = {RC_LAYOUT(STRUCT, FIELD)};
 enum { N_EXPECTED = sizeof EXPECTED / sizeof EXPECTED[0] };
 
-/* The names at full length: those of the entries are cut where they do not fit. */
+/* The full names. The names of the entries are cut if they do not fit. */
 #define STRUCT_NAME(type) #type,
 #define FIELD_NAME(type, field) #type "." #field,
 static const char *const NAMES[] = {RC_LAYOUT(STRUCT_NAME, FIELD_NAME)};
@@ -59,8 +59,8 @@ static void test_no_line_is_there_twice(void)
     }
 }
 
-/* The struct `owner` ends: what its last field leaves of it is less than the alignment.
- * A solver has no fields here. */
+/* The end of the struct `owner`: its last field must leave less than the alignment. A
+ * solver has no fields here. */
 static void assert_ends(const rigcal_layout_entry *owner, int n_fields, int32_t end,
                         int32_t widest)
 {
@@ -72,8 +72,8 @@ static void assert_ends(const rigcal_layout_entry *owner, int n_fields, int32_t 
     }
 }
 
-/* A struct that gains a field, which the list does not know, shows here: a gap before a
- * field, or at the struct's end, is never as large as the alignment. */
+/* A field that the list does not have leaves a gap, before a field or at the end of the
+ * struct. No gap may be as large as the alignment. */
 static void test_the_fields_follow_their_struct_in_order_without_overlap(void)
 {
     const int32_t widest = (int32_t)(sizeof(void *) > 8 ? sizeof(void *) : (size_t)8);

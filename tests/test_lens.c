@@ -1,5 +1,5 @@
-/* lens: the map of the plane that a lens is, and where it turns back. Every answer of
- * rigcal_camera_ray is held against a lens that is known on both sides of its fold. */
+/* lens: the lens as a map of the plane, and the place where it folds. Every answer of
+ * rigcal_camera_ray is compared with a lens that is known on both sides of its fold. */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -7,19 +7,19 @@
 #include "rc_lens.h"
 #include "test_lenses.h"
 
-/* The image of all that a lens serves, as a polygon: of the turning points,
- * each `share` of the way out. */
+/* The image of all rays that a lens sees, as a polygon: through the places where the lens
+ * folds, each moved to `share` of its distance. */
 enum { N_WAYS = 360 };
 #define CHORD 0.1 /* pixels by which the polygon may miss a round rim */
 
 typedef struct {
     double uv[N_WAYS][2];
-    int ends; /* whether the lens turns back in every direction */
+    int ends; /* whether the lens folds in every direction */
 } image_circle;
 
 static void image_circle_of(image_circle *circle, int lens, double share)
 {
-    static double rim[TEST_N_LENSES][N_WAYS]; /* found once; 0: not yet */
+    static double rim[TEST_N_LENSES][N_WAYS]; /* computed once; 0: not yet */
     const rigcal_camera camera = test_lens_camera(&TEST_LENSES[lens]);
 
     circle->ends = 1;
@@ -65,7 +65,7 @@ static double depth_inside(const image_circle *circle, const double uv[2])
     return crossings % 2 ? sqrt(nearest) : -sqrt(nearest);
 }
 
-/* A failure that says which lens and where. */
+/* Fails with the name of the lens and the place. */
 static void fail_at(const char *what, const char *name, double u, double v)
 {
     char message[200];
@@ -74,8 +74,8 @@ static void fail_at(const char *what, const char *name, double u, double v)
     TEST_FAIL_MESSAGE(message);
 }
 
-/* That a ray is what rigcal.h says of one: unit, imaged at the pixel, and on
- * this side of the lens's turning point. */
+/* Checks that a ray is as rigcal.h says: of unit length, with this pixel, and before the
+ * fold of the lens. */
 static void assert_right_ray(const char *name, const rigcal_camera *camera,
                              const rigcal_real ray[3], const rigcal_real uv[2])
 {
@@ -106,7 +106,7 @@ static void assert_right_ray(const char *name, const rigcal_camera *camera,
 
 /* ---- the map ------------------------------------------------------------- */
 
-/* F of a lens at x, from the pixel of a camera whose pixels are normalised. */
+/* F of a lens at x, from the pixel of a camera with normalised pixels. */
 static void map_by_formulas(double F[2], const rigcal_camera *camera, const double x[2])
 {
     rigcal_camera unit = *camera;
@@ -199,7 +199,7 @@ static void test_only_browns_lens_without_coefficients_is_a_pinhole(void)
 
 /* ---- pixel to ray -------------------------------------------------------- */
 
-/* Pixel column or row `i` of n, both borders of the image included. */
+/* Column or row `i` of n, from one border of the image to the other. */
 static double across(int i, int n, int size)
 {
     return -0.5 + (double)size * i / (n - 1);
@@ -242,7 +242,7 @@ static void test_each_pixel_of_each_lens_has_its_ray_or_none(void)
     }
 }
 
-/* From the axis to 0.1 % before the turning point. */
+/* From the axis to 0.1 % before the fold. */
 static void test_every_ray_before_the_turning_point_is_found_from_its_pixel(void)
 {
     static const double shares[] = {1e-8, 1e-3, 0.1, 0.3, 0.5, 0.7, 0.9, 0.97, 0.99, 0.999};
@@ -260,8 +260,7 @@ static void test_every_ray_before_the_turning_point_is_found_from_its_pixel(void
                 at.out = test_turning_point(&camera, at, 3) * shares[s];
                 test_polar_ray(X_c, &camera, at);
                 test_project_px(exact, &camera, X_c);
-                /* Of float it is asked to 1 %: closer, its pixel may lie
-                 * beyond. */
+                /* In float only to 1 %: closer to the fold the pixel may lie beyond. */
                 if (!test_is_in_reach(&camera, exact) ||
                     (RIGCAL_USE_FLOAT && shares[s] > 0.99)) {
                     continue;
@@ -279,9 +278,9 @@ static void test_every_ray_before_the_turning_point_is_found_from_its_pixel(void
     }
 }
 
-/* Rays beyond the turning point are imaged too, by the formula: outside of the
- * image of all rays before it, where the lens has none, or inside, where the
- * right ray is another. */
+/* Rays beyond the fold have pixels too, by the formula. These are outside the image of all
+ * rays before the fold, where the lens has no ray, or inside, where the right ray is
+ * another one. */
 static void test_a_ray_beyond_the_turning_point_never_comes_out(void)
 {
     static const double shares[] = {1.02, 1.05, 1.1, 1.2, 1.5, 2, 3, 5};
@@ -337,7 +336,7 @@ static void test_a_ray_beyond_the_turning_point_never_comes_out(void)
             }
         }
     }
-    /* The lenses of the table are such that both happens often. */
+    /* Both cases happen often with these lenses. */
     TEST_ASSERT_TRUE(outside > 300);
     TEST_ASSERT_TRUE(inside > 300);
 }
@@ -356,7 +355,7 @@ static void test_projection_ends_at_the_turning_point(void)
             double X[3];
             rigcal_real X_c[3], uv[2];
 
-            /* Not of a Brown lens beyond 88.8 degrees. */
+            /* For a Brown lens not beyond 88.8 degrees. */
             if (end >= (camera.lens == RIGCAL_LENS_FISHEYE ? TEST_PI : 50)) {
                 continue;
             }
@@ -372,8 +371,8 @@ static void test_projection_ends_at_the_turning_point(void)
 
 /* ---- the iteration that is not used -------------------------------------- */
 
-/* x <- (xd - tangential) / d, as commonly done; how far off in pixels its
- * projection is after `steps`. */
+/* x <- (xd - tangential) / d, the common method. Returns by how many pixels its projection
+ * is off after `steps`. */
 static double fixed_point_error(const rigcal_camera *c, const double uv[2], int steps)
 {
     const double xd = (uv[0] - D(c->cx)) / D(c->fx);
@@ -487,8 +486,7 @@ static void test_any_lens_gives_right_rays_only(void)
                 continue;
             }
             assert_right_ray(name, &camera, ray, uv);
-            /* And the library's own projection takes it. In float a ray may
-             * round across the turning point. */
+            /* The library projects the ray. In float a ray may round to beyond the fold. */
             status = rigcal_camera_project(again, &camera, ray);
             if (!RIGCAL_USE_FLOAT || status == RIGCAL_OK) {
                 const double expected[2] = {D(uv[0]), D(uv[1])};
@@ -533,8 +531,8 @@ static void test_any_lens_gives_every_ray_before_its_turning_point(void)
     }
 }
 
-/* The least test_steepness on the way out to `share` of a place. Where it nearly
- * vanishes a march in steps may have passed a turning point unseen. */
+/* The least test_steepness on the way to `share` of a place. If it is nearly 0, a march in
+ * steps may have missed a fold. */
 static double least_steepness(const rigcal_camera *camera, test_polar at, double share)
 {
     double least = 1;
@@ -552,7 +550,7 @@ static double least_steepness(const rigcal_camera *camera, test_polar at, double
 
 static void test_any_lens_projects_up_to_its_turning_point_and_not_beyond(void)
 {
-    /* Of the strangest of them the library leaves the last 0.2 % out. */
+    /* For the strangest lenses the library leaves out the last 0.2 %. */
     const double within = TOL(5e-3, 1e-2);
     const double shares[] = {0.3, 1 - within, 1 + within, 1.1, 1.5, 3, 10};
     test_rng rng = test_seed(12);
@@ -591,8 +589,8 @@ static void test_any_lens_projects_up_to_its_turning_point_and_not_beyond(void)
     }
 }
 
-/* Without tangential distortion the image of a lens is a disc, whose radius the
- * march tells exactly. */
+/* Without tangential distortion the image of a lens is a disc. The march finds its radius
+ * exactly. */
 static void test_a_radial_lens_has_rays_exactly_inside_its_circle(void)
 {
     test_rng rng = test_seed(9);
@@ -632,7 +630,7 @@ static void test_a_radial_lens_has_rays_exactly_inside_its_circle(void)
 
 /* ---- where bounds do not decide -------------------------------------------- */
 
-/* Of k4 = -1 the denominator is 1 - r^2: the lens has a pole at r = 1. */
+/* With k4 = -1 the denominator is 1 - r^2, so the lens has a pole at r = 1. */
 static void test_nothing_is_proved_beyond_a_pole(void)
 {
     const rigcal_camera camera = {.fx = 1, .fy = 1, .k4 = -1};
@@ -649,8 +647,8 @@ static void test_nothing_is_proved_beyond_a_pole(void)
 #endif
 }
 
-/* F = r - r^3 / 3 turns back at r = 1. Near there a step of Newton's method only halves the
- * error, and from F(0.999) it is a third. */
+/* F = r - r^3 / 3 turns back at r = 1. Near that place a step of Newton's method only
+ * halves the error. From F(0.999) the first error is a third. */
 static void test_a_place_near_the_turn_takes_more_than_a_few_steps(void)
 {
 #if RIGCAL_FOR_SPEED
@@ -664,8 +662,9 @@ static void test_a_place_near_the_turn_takes_more_than_a_few_steps(void)
 #endif
 }
 
-/* Along x the map's slope is m at r = 1, where its next three derivatives are 0: it is
- * nearly 0 for long. So a proof would take more steps than there may be. */
+/* Along x the slope of the map is m at r = 1, and its next three derivatives are 0 there.
+ * So the slope is nearly 0 over a long part, and a proof would take more steps than are
+ * allowed. */
 static void test_a_proof_that_takes_too_long_is_none(void)
 {
     const double m = 1e-4, e = (1 - m) / 5;
@@ -689,8 +688,8 @@ static void test_a_proof_that_takes_too_long_is_none(void)
     TEST_ASSERT_FALSE(rc_lens_is_usable(&camera, far));
 }
 
-/* p1 alone bends rays along x only sideways. There J = (1, 2 p1 r; 2 p1 r, 1), and turns
- * back where r = 1 / (2 p1). */
+/* With p1 alone, rays along x are bent only sideways. There J = (1, 2 p1 r; 2 p1 r, 1), so
+ * the lens turns back at r = 1 / (2 p1). */
 static void test_a_lens_that_bends_only_sideways_is_proved_to_its_turn(void)
 {
     const rigcal_camera camera = {.fx = 1, .fy = 1, .p1 = RC(0.25)};

@@ -1,19 +1,18 @@
-/* levenberg: the machine by itself. Sequences made by hand take it through every
- * transition that rc_levenberg.h names; then it searches for minima that are known. What
- * decides at which number is left to the source: the numbers here lie far on either
- * side. */
+/* levenberg: the state machine by itself. Sequences made by hand take it through every
+ * transition that rc_levenberg.h names. Then it searches for minima that are known. The
+ * constants are in the source; the numbers here are far from them on both sides. */
 #include <math.h>
 
 #include "rc_levenberg.h"
 #include "test_support.h"
 
-/* Far below what any search could gain, and far above what rounding makes of a sum of 1. */
+/* Far below what any search could gain, and far above the rounding of a sum of 1. */
 #define NOTHING RC(TOL(1e-18, 1e-9))
 #define MUCH RC(0.5)
 
 /* ---- hand-made states ------------------------------------------------------ */
 
-/* Begun, and evaluated once: the sum is 1, a step is wanted. */
+/* A search that was begun and evaluated once: the sum is 1, and it wants a step. */
 static rigcal_levenberg at_sum_1(void)
 {
     rigcal_levenberg lm;
@@ -22,7 +21,7 @@ static rigcal_levenberg at_sum_1(void)
     return lm;
 }
 
-/* The same with Newton's H, as after a step that did harm. */
+/* The same with Newton's H, as after a step that made the sum rise. */
 static rigcal_levenberg with_newton(void)
 {
     rigcal_levenberg lm = at_sum_1();
@@ -74,7 +73,7 @@ static void test_equations_that_are_singular_end_it(void)
     ASSERT_STATUS(RIGCAL_ERR_DEGENERATE, lm.status);
 }
 
-/* Newton's H is damped more and more, and then given up for J^T J, which is to be
+/* Newton's H is damped more and more. Then it is replaced by J^T J, which must be
  * evaluated. */
 static void test_a_newtons_h_is_damped_until_it_is_given_up(void)
 {
@@ -82,7 +81,7 @@ static void test_a_newtons_h_is_damped_until_it_is_given_up(void)
     int calls = 0;
     while (lm.equations != RC_GAUSS_NEWTON) {
         const rigcal_real before = lm.lambda;
-        TEST_ASSERT_EQUAL_INT(RC_WANT_STEP, lm.want); /* of the same equations */
+        TEST_ASSERT_EQUAL_INT(RC_WANT_STEP, lm.want); /* with the same equations */
         rc_levenberg_not_definite(&lm);
         ASSERT_STATUS(RIGCAL_RUNNING, lm.status);
         TEST_ASSERT_TRUE(lm.equations == RC_NEWTON_INDEFINITE ? lm.lambda > before
@@ -104,10 +103,10 @@ static void test_a_step_that_promises_much_is_tried(void)
     TEST_ASSERT_EQUAL_INT(RC_STEP_TRY, rc_levenberg_promised(&lm, MUCH, NOTHING));
     ASSERT_STATUS(RIGCAL_RUNNING, lm.status);
     TEST_ASSERT_EQUAL_INT(RC_GAUSS_NEWTON, lm.equations);
-    ASSERT_NEAR(1, lm.sum, 0); /* nothing has been gained yet */
+    ASSERT_NEAR(1, lm.sum, 0); /* no step has gained anything yet */
 }
 
-/* Its sum is the one that the quadratic model gives; a sum is never negative. */
+/* The sum is then the one of the quadratic model. A sum is never negative. */
 static void test_a_step_that_promises_what_means_nothing_is_the_last(void)
 {
     rigcal_levenberg lm = at_sum_1();
@@ -127,8 +126,8 @@ static void test_a_step_that_promises_a_trifle_of_the_sum_is_the_last(void)
     ASSERT_STATUS(RIGCAL_OK, lm.status);
 }
 
-/* The same gain after one of MUCH, and after one hardly larger: the gains of a valley go
- * on. */
+/* The same gain after a gain of MUCH, and after one that is hardly larger: the latter
+ * continues, because it is in a valley. */
 static void test_gains_that_fall_fast_end_it_and_slow_ones_do_not(void)
 {
     const rigcal_real gain = RC(TOL(1e-7, 1e-4));
@@ -143,7 +142,19 @@ static void test_gains_that_fall_fast_end_it_and_slow_ones_do_not(void)
     TEST_ASSERT_EQUAL_INT(RC_NEWTON, slow.equations); /* from the next evaluation on */
 }
 
-/* What a step that is damped much promises says nothing of what is left. */
+/* A trifle, but more than may be left at last: after one that was a tenth larger, ten times
+ * as much is left. */
+static void test_a_trifle_in_a_valley_is_not_the_last(void)
+{
+    const rigcal_real gain = RC(TOL(0.5e-12, 1.5e-6));
+    rigcal_levenberg fast = at_sum_1(), slow = at_sum_1();
+    TEST_ASSERT_TRUE(rc_levenberg_tried(&fast, RIGCAL_OK, RC(0.9), 4 * gain, 0));
+    TEST_ASSERT_EQUAL_INT(RC_STEP_LAST, rc_levenberg_promised(&fast, gain, 0));
+    TEST_ASSERT_TRUE(rc_levenberg_tried(&slow, RIGCAL_OK, RC(0.9), gain * RC(1.1), 0));
+    TEST_ASSERT_EQUAL_INT(RC_STEP_TRY, rc_levenberg_promised(&slow, gain, 0));
+}
+
+/* The promise of a strongly damped step does not show how much is left to gain. */
 static void test_a_step_that_is_damped_much_is_never_the_last(void)
 {
     rigcal_levenberg lm = at_sum_1();
@@ -156,7 +167,7 @@ static void test_a_step_that_is_damped_much_is_never_the_last(void)
     ASSERT_STATUS(RIGCAL_RUNNING, lm.status);
 }
 
-/* Where H is not positive definite the search is at no minimum, however little is
+/* If H is not positive definite the search is not at a minimum, however little is
  * promised. */
 static void test_a_saddle_is_no_optimum(void)
 {
@@ -176,7 +187,7 @@ static void test_a_saddle_is_no_optimum(void)
 
 /* ---- tried ----------------------------------------------------------------- */
 
-/* The equations where it ended are known: no other evaluation is wanted. */
+/* The equations at the end are known, so no further evaluation is wanted. */
 static void test_a_step_that_helped_stays(void)
 {
     rigcal_levenberg lm = at_sum_1();
@@ -207,7 +218,7 @@ static void test_a_place_that_cannot_be_evaluated_did_harm(void)
     ASSERT_NEAR(1, lm.sum, 0);
 }
 
-/* A sum of NaN is no better than any. */
+/* A sum of NaN never counts as better. */
 static void test_a_sum_that_is_no_number_did_harm(void)
 {
     rigcal_levenberg lm = at_sum_1();
@@ -215,7 +226,7 @@ static void test_a_sum_that_is_no_number_did_harm(void)
     ASSERT_NEAR(1, lm.sum, 0);
 }
 
-/* What rounding adds to the sum, and what means nothing, does no harm. */
+/* A rise of the sum by rounding, or by a negligible amount, is not harm. */
 static void test_a_rise_of_the_sum_that_means_nothing_is_none(void)
 {
     rigcal_levenberg lm = at_sum_1();
@@ -235,8 +246,8 @@ static void test_a_step_that_was_not_damped_is_damped_after_harm(void)
     TEST_ASSERT_TRUE(lm.lambda > 0);
 }
 
-/* A step that promised next to nothing and did harm met rounding: the search is at its
- * end. */
+/* If a step that promised almost nothing makes the sum rise, the rise is rounding: the
+ * search ends. */
 static void test_harm_by_a_step_that_promised_a_trifle_is_rounding(void)
 {
     rigcal_levenberg lm = at_sum_1();
@@ -261,7 +272,7 @@ static void test_harm_again_and_again_ends_it(void)
     TEST_ASSERT_GREATER_THAN_INT(5, times);
 }
 
-/* Gains before harm do not tell how fast gains fall after it. */
+/* Gains before a rise do not show how fast gains fall after it. */
 static void test_harm_forgets_the_gains_before_it(void)
 {
     const rigcal_real gain = RC(TOL(1e-7, 1e-4));
@@ -317,7 +328,7 @@ static double evaluate(search *s, residuals f)
     return e[0] * e[0] + e[1] * e[1];
 }
 
-/* One turn of the loop of rc_levenberg.h. */
+/* One pass of the loop of rc_levenberg.h. */
 static void turn(search *s, residuals f)
 {
     const double lambda = D(s->lm.lambda), before[2] = {s->x[0], s->x[1]};
@@ -352,7 +363,7 @@ static void begin(search *s, double x, double y)
     rc_levenberg_begin(&s->lm, 0);
 }
 
-/* Two equations that are linear: one step, whose end is seen at once. */
+/* Two linear equations: one step, after which the end is recognised at once. */
 static void test_a_linear_problem_takes_few_evaluations(void)
 {
     search s;
@@ -366,7 +377,7 @@ static void test_a_linear_problem_takes_few_evaluations(void)
     ASSERT_NEAR(2, s.x[1], TOL(1e-9, 1e-4));
 }
 
-/* Rosenbrock's valley, from where he started and from the side. */
+/* Rosenbrock's valley, from his own start and from the side. */
 static void test_a_valley_is_followed_to_its_end(void)
 {
     static const double START[4][2] = {{-1.2, 1}, {3, -2}, {-5, 8}, {0, 0}};
@@ -383,7 +394,7 @@ static void test_a_valley_is_followed_to_its_end(void)
     }
 }
 
-/* A search that is copied at any turn goes on the same. */
+/* A search that is copied at any pass continues in the same way. */
 static void test_a_search_may_pause_at_any_turn(void)
 {
     search s, copy;
@@ -411,6 +422,7 @@ TEST_MAIN()
     RUN_TEST(test_a_step_that_promises_what_means_nothing_is_the_last);
     RUN_TEST(test_a_step_that_promises_a_trifle_of_the_sum_is_the_last);
     RUN_TEST(test_gains_that_fall_fast_end_it_and_slow_ones_do_not);
+    RUN_TEST(test_a_trifle_in_a_valley_is_not_the_last);
     RUN_TEST(test_a_step_that_is_damped_much_is_never_the_last);
     RUN_TEST(test_a_saddle_is_no_optimum);
     RUN_TEST(test_a_step_that_helped_stays);

@@ -1,5 +1,4 @@
-/* linalg: cases on paper, identities, and plain double arithmetic that is written out
- * here. */
+/* linalg: cases computed by hand, identities, and plain double arithmetic. */
 #include <math.h>
 #include <string.h>
 
@@ -154,8 +153,7 @@ static void test_singular_indefinite_and_nan_matrices_have_no_factor(void)
     TEST_ASSERT_FALSE(has_factor(1, 0, 0, 1, test_nan(), 1, eps));
 }
 
-/* [1 1; 1 1 + d] leaves the pivot d of a diagonal 1 + d. */
-/* Of diagonal matrices each pivot is its element, however their sizes differ. */
+/* The pivots of a diagonal matrix are its elements, however much their sizes differ. */
 static void test_each_pivot_is_held_against_its_own_element(void)
 {
     static const double SIZES[3] = {1, 1e-6, 1e6};
@@ -173,6 +171,7 @@ static void test_each_pivot_is_held_against_its_own_element(void)
     }
 }
 
+/* [1 1; 1 1 + d] has the pivot d for a diagonal element 1 + d. */
 static void test_the_rank_tolerance_is_what_a_pivot_must_keep_of_its_diagonal(void)
 {
     TEST_ASSERT_TRUE(has_factor(1, 1, 0, 1.02, 0, 1, 0.01));
@@ -181,7 +180,7 @@ static void test_the_rank_tolerance_is_what_a_pivot_must_keep_of_its_diagonal(vo
     TEST_ASSERT_FALSE(has_factor(1, 0, 1, 1, 0, 1.005, 0.01));
 }
 
-/* Rows m1, m2, m3 are a rotation, near the poles too, where the formula changes its
+/* The rows m1, m2, m3 are a rotation, also near the poles, where the formula changes its
  * sign. */
 static void test_a_direction_is_completed_to_a_rotation(void)
 {
@@ -245,8 +244,8 @@ static void test_the_normal_of_a_plane_is_found(void)
     }
 }
 
-/* Points at +-a, +-b, +-c along turned axes have mean squares a^2, b^2 and c^2 of
- * a^2 + b^2 + c^2 there. */
+/* Points at +-a, +-b, +-c along turned axes: the mean squares along them are a^2, b^2 and
+ * c^2, as parts of their sum. */
 static void test_the_thickness_is_that_of_the_least_extent(void)
 {
     test_rng rng = test_seed(9);
@@ -275,7 +274,7 @@ static void test_the_thickness_is_that_of_the_least_extent(void)
     }
 }
 
-/* In any unit. */
+/* In any unit of length. */
 static void test_points_on_a_line_have_no_normal(void)
 {
     enum { N = 5 };
@@ -295,7 +294,8 @@ static void test_points_on_a_line_have_no_normal(void)
         FILL(normal);
         TEST_ASSERT_FALSE(rc_sym3_thinnest(normal, &thickness, C));
         ASSERT_UNTOUCHED(normal);
-        x[0][0] += scale * way[3]; /* one of them a size off the line */
+        x[0][0] += scale * way[3]; /* one of them is as far off the line as the line is
+                                      long */
         x[0][1] += scale * way[4];
         x[0][2] += scale * way[5];
         moments_of(C, x, N);
@@ -305,7 +305,7 @@ static void test_points_on_a_line_have_no_normal(void)
 
 /* ---- 3 x 3, damped -------------------------------------------------------- */
 
-/* A + lambda D: D is the diagonal, but a hundredth of its largest element at least. */
+/* A + lambda D: D is the diagonal, but at least a hundredth of its largest element. */
 static void test_damping_adds_to_the_diagonal(void)
 {
     const rigcal_real A[6] = {2, RC(0.5), -1, 10, 3, RC(0.01)};
@@ -342,7 +342,7 @@ static void random_matrix(double A[], int n, test_rng *rng)
     }
 }
 
-/* By Gauss and Jordan, without pivots, which such a matrix does not need. */
+/* By the Gauss-Jordan method without pivots, which such a matrix does not need. */
 static void plain_inverse(double inverse[], const double A[], int n)
 {
     double M[ORDER_MAX * ORDER_MAX];
@@ -368,7 +368,7 @@ static void plain_inverse(double inverse[], const double A[], int n)
 
 /* ---- 6 x 6, in blocks ------------------------------------------------------ */
 
-/* The place in H[21] of element (i, j), as rc_linalg.h has it. */
+/* The index in H[21] of element (i, j), in the form of rc_linalg.h. */
 static int block_place(int i, int j)
 {
     static const int SYMMETRIC[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
@@ -404,7 +404,7 @@ static void test_six_equations_are_solved(void)
         for (int k = 0; k < 6; k++) {
             x[k] = RC(test_uniform(&rng, -1, 1));
             b[k] = D(x[k]);
-            A[7 * k] *= 1 + lambda; /* no element is small against another */
+            A[7 * k] *= 1 + lambda; /* all elements are of similar size */
         }
         TEST_ASSERT_TRUE(rc_sym6_factor_of(&L, H, RC(lambda)));
         rc_sym6_solve(x, &L);
@@ -418,7 +418,7 @@ static void test_six_equations_are_solved(void)
     }
 }
 
-/* As a Newton's H may be: negative on its diagonal, but damped. */
+/* Newton's H may be like this: negative on its diagonal, but damped. */
 static void test_damping_acts_on_an_element_that_is_negative(void)
 {
     double A[36] = {0};
@@ -452,7 +452,7 @@ static void test_a_matrix_of_six_is_inverted(void)
     }
 }
 
-/* The last row is a multiple of the first, or of any other. */
+/* The last row is a multiple of the first, or of another row. */
 static void test_a_singular_matrix_of_six_is_told(void)
 {
     test_rng rng = test_seed(13);
@@ -465,7 +465,8 @@ static void test_a_singular_matrix_of_six_is_told(void)
             continue;
         }
         random_matrix(A, 6, &rng);
-        for (int k = 0; k < 6; k++) { /* B = f^T A f with row `to` that of `from` */
+        for (int k = 0; k < 6; k++) { /* B = f^T A f, in which row `to` becomes row
+                                         `from` */
             f[6 * k + (k == to ? from : k)] = 1;
         }
         for (int k = 0; k < 36; k++) {
@@ -515,7 +516,7 @@ static int factor_packed(rigcal_real P[], int n, double least)
     return is_definite;
 }
 
-/* The case on paper above, packed. */
+/* The case computed by hand above, packed. */
 static void test_a_packed_factor_on_paper(void)
 {
     rigcal_real P[6] = {4, 12, 37, -16, -43, 105};
@@ -528,7 +529,7 @@ static void test_a_packed_factor_on_paper(void)
     ASSERT_ARRAY_NEAR(((double[]){-0.125, 0.375, 0.125}), x, 3, 0);
 }
 
-/* L L^T = A, and a row changes no other. */
+/* L L^T = A, and computing a row changes no other row. */
 static void test_a_packed_factor_of_any_size_is_one(void)
 {
     test_rng rng = test_seed(14);
@@ -611,7 +612,8 @@ static void test_a_packed_matrix_is_inverted_in_place(void)
     }
 }
 
-/* The pivot of the last row is what its element exceeds that of a singular matrix by. */
+/* The pivot of the last row is the difference of its element from that of a singular
+ * matrix. */
 static void test_a_packed_pivot_is_refused_up_to_the_least(void)
 {
     const rigcal_real A[6] = {1, 1, 2, 1, 2, RC(3.25)}; /* pivots 1, 1, 1.25 */
@@ -633,7 +635,7 @@ static void test_a_packed_pivot_is_refused_up_to_the_least(void)
 
 /* ---- checks ---------------------------------------------------------------- */
 
-/* What is wrong with numbers: the first of NULL, not finite, too large. */
+/* The status of wrong numbers: the first of NULL, not finite, too large. */
 static void test_numbers_are_checked(void)
 {
     const rigcal_real good[3] = {1, -2, 2}, large[3] = {1, RC(-2.5), 2};

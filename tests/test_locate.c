@@ -1,5 +1,5 @@
-/* locate: a point from the views that are used, view by view: what is left after a search
- * that did not run straight, and where it ends. */
+/* locate: a point from the views that are used, view by view: its equations after a search
+ * with detours, and where it ends. */
 #include <math.h>
 #include <string.h>
 
@@ -36,7 +36,7 @@ static void hand_in(int n)
     }
 }
 
-/* Cameras about the origin, each of which sees a pixel of its own. */
+/* Cameras about the origin. Each sees a random pixel. */
 static void build(test_rng *rng, double spread_px)
 {
     hand_in(N);
@@ -92,8 +92,8 @@ static double sum_at(const double X[3])
     return sum;
 }
 
-/* Whatever way the search went, views' A are those of the point where it ends: of
- * (A^T A)^-1, which N is, the inverse is the sum over differences of the projections. */
+/* Whatever path the search took, the matrices A of the views belong to its final point:
+ * N^-1 must equal A^T A, by differences of the projections. */
 static void test_equations_are_those_of_the_point_that_is_found(void)
 {
     test_rng rng = test_seed(631);
@@ -135,7 +135,8 @@ static void test_equations_are_those_of_the_point_that_is_found(void)
             for (int j = 0; j < 3; j++) {
                 product += H[3 * (k / 3) + j] * D(solver.sums.N[AT[3 * j + k % 3]]);
             }
-            /* The last step is not evaluated: in float, of such residuals, it is longer. */
+            /* The last step is not evaluated. In float, with such residuals, it is
+             * longer. */
             ASSERT_NEAR(k % 4 == 0, product, TOL(1e-3, 6e-2));
         }
     }
@@ -165,7 +166,7 @@ static void test_no_point_nearby_is_better(void)
     }
 }
 
-/* Rays that are far from meeting, so that a search goes on for long, goes back, or away to
+/* The rays are far from meeting. So a search takes long, goes back, or goes away to
  * infinity. */
 static void test_no_point_near_one_of_wild_views_is_better(void)
 {
@@ -204,8 +205,8 @@ static void test_no_point_near_one_of_wild_views_is_better(void)
     }
 }
 
-/* The point is so near to the plane of a camera that its pixel, or how it moves, is no
- * number. */
+/* The point is so near to the plane of a camera that its pixel, or the pixel's derivative,
+ * overflows. */
 static void test_a_point_that_grazes_a_camera_is_refused(void)
 {
     test_views v;
@@ -218,7 +219,7 @@ static void test_a_point_that_grazes_a_camera_is_refused(void)
     ASSERT_STATUS(RIGCAL_ERR_NO_RAY, locate());
 }
 
-/* A camera may be anywhere: the point's covariance is no number. */
+/* A camera may be anywhere, so the point's covariance overflows. */
 static void test_a_covariance_that_overflows_is_told(void)
 {
     static rigcal_real Sigma[RIGCAL_CALIBRATED_SIZE(1)];

@@ -1,5 +1,5 @@
-/* loss: the adjustment of a rig some of whose points are wrong. The truth is the adjustment
- * of the right points alone, and formulas of the losses. */
+/* loss: the adjustment of a rig with some wrong points. The truth: the adjustment of the
+ * right points alone, and the formulas of the losses. */
 #include <math.h>
 #include <string.h>
 
@@ -13,7 +13,7 @@ static uint8_t is_wrong[RIG_VIEWS_MAX][RIG_POINTS_MAX];
 
 #define WANTS_RIG TEST_WANTS_RAM(sizeof r + sizeof is_wrong + 14000)
 
-/* A rig with its noise, of whose points a share is off by up to 60 px. */
+/* A rig with noise. A share of its points is off by up to 60 px. */
 static void make(test_rng *rng, double share)
 {
     test_rig_random(&r, rng, 3, 6, 10);
@@ -34,7 +34,7 @@ static void make(test_rng *rng, double share)
     }
 }
 
-/* Takes the wrong points away. */
+/* Removes the wrong points. */
 static void keep_right(void)
 {
     for (size_t v = 0; v < r.rig.n_views; v++) {
@@ -61,7 +61,7 @@ static size_t count_wrong(void)
     return n;
 }
 
-/* Squared turn and shift of the cameras, off the truth. */
+/* The squared error of the cameras, of turns and shifts. */
 static double off_truth(void)
 {
     double sum = 0;
@@ -102,7 +102,7 @@ static void test_wrong_points_do_no_harm(void)
         right += off_truth();
     }
     TEST_ASSERT_TRUE(sqrt(robust / right) < 1.03 || TEST_ONE_IN > 1);
-    /* Of 17000 right points six are beyond 4 sigma: exp(-8) of them. */
+    /* Of 17000 right points six are beyond 4 sigma: a share of exp(-8). */
     TEST_ASSERT_TRUE(found + 5 >= there && found <= there + 25);
 }
 
@@ -144,7 +144,7 @@ static void sums_of_losses(double sum[2])
     }
 }
 
-/* The sum of a search that has evaluated once is that of the losses. */
+/* After one evaluation the sum of a search must be that of the losses. */
 static void test_the_sum_is_that_of_the_loss(void)
 {
     static const int32_t LOSSES[2] = {RIGCAL_LOSS_HUBER, RIGCAL_LOSS_TRUNCATED};
@@ -165,9 +165,9 @@ static void test_the_sum_is_that_of_the_loss(void)
     }
 }
 
-/* A camera that is moved either way from where Huber's loss put it costs more: the parabola
- * through the three sums has its least within 0.03 deviations of there. In float the
- * rounding of a sum of 7000 sigma^2 hides gains of 0.01 sigma^2, of steps of 0.1. */
+/* If a camera is moved either way from where Huber's loss put it, the sum grows: the least
+ * value of the parabola through the three sums is within 0.03 deviations of that place. In
+ * float, rounding of a sum of 7000 sigma^2 hides gains of 0.01 sigma^2, by steps of 0.1. */
 static void test_the_answer_is_the_least_of_the_loss(void)
 {
     test_rng rng = test_seed(386);
@@ -222,7 +222,7 @@ static void test_the_budget_changes_no_bit(void)
     }
 }
 
-/* Three points of one view take all that is measured: no noise is found. */
+/* Three points of one view leave no degree of freedom, so no noise is found. */
 static void test_without_freedom_no_noise_is_found(void)
 {
     test_rng rng = test_seed(386);

@@ -64,7 +64,8 @@ static void test_those_inside_come_best_first(void)
         TEST_ASSERT_EQUAL_UINT64(n, inside);
         most = inside > (size_t)most ? (int)inside : most;
     }
-    TEST_ASSERT_TRUE(TEST_ONE_IN > 1 || most > ROOM); /* few trials may have few inside */
+    TEST_ASSERT_TRUE(TEST_ONE_IN > 1 || most > ROOM); /* with few trials there may be few
+                                                         inside */
 }
 
 static void test_where_room_is_short_the_best_stay(void)
@@ -113,7 +114,8 @@ static void make_beside(void)
     ASSERT_STATUS(RIGCAL_OK, rigcal_band_make(&band, &scene.pair, uv_a));
 }
 
-/* Where the noise of b is all there is, all widths are the same and the nearest is best. */
+/* If b's pixel has the only noise, all widths are equal and the nearest candidate is the
+ * best. */
 static void test_the_nearest_to_the_line_is_best(void)
 {
     static const rigcal_real at[8] = {30, RC(20.9), 25, RC(20.2), 20, RC(22), 28, RC(19.5)};
@@ -153,7 +155,7 @@ static void test_a_candidate_that_is_no_number_is_named(void)
 
 /* ---- the curve ------------------------------------------------------------- */
 
-/* Its points are on the line, the borders at k standard deviations, to first order. */
+/* To first order, its points are on the line, and its borders at k standard deviations. */
 static void test_the_curve_is_the_line_and_its_borders_the_band(void)
 {
     int n_points = 0;
@@ -186,14 +188,15 @@ static void test_the_curve_is_the_line_and_its_borders_the_band(void)
 
                 if (D(p->half_width) > 0.01 * D(scene.b.fx) ||
                     rigcal_band_test(&match, &band, half) != RIGCAL_OK) {
-                    continue; /* so wide that first order does not hold across */
+                    continue; /* too wide for first order */
                 }
                 ASSERT_NEAR(off, match.distance_px, 0.05 * fabs(off) + TOL(0, 2e-2));
                 n_points++;
             }
         }
     }
-    TEST_ASSERT_TRUE(TEST_ONE_IN > 1 || n_points > 60); /* few trials may have none */
+    TEST_ASSERT_TRUE(TEST_ONE_IN > 1 || n_points > 60); /* with few trials there may be
+                                                           none */
 }
 
 static void test_the_curve_runs_from_near_to_far(void)
@@ -225,7 +228,7 @@ static void test_a_curve_to_infinity_ends_at_the_ray(void)
     ASSERT_NEAR(0, points[n - 1].depth_a, 0);
 }
 
-/* Of two places, far and near, often one alone is in the image. */
+/* If two places are far and near, often only one is in the image. */
 static void test_a_curve_may_have_one_point(void)
 {
     int alone = 0;
@@ -245,8 +248,8 @@ static void test_a_curve_may_have_one_point(void)
     TEST_ASSERT_GREATER_THAN_INT(0, alone);
 }
 
-/* Where a moves along its ray, the near end is behind b, the far end is the epipole, and
- * halfway between the two there is no direction. */
+/* If a moves along its ray, the near end is behind b and the far end is the epipole.
+ * Halfway between the two there is no direction. */
 static void test_a_curve_along_the_baseline_has_no_point(void)
 {
     rigcal_band_point points[3];

@@ -2,6 +2,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "rc_locate.h"
 #include "test_support.h"
 #include "vectors_camera.h"
 #include "vectors_point.h"
@@ -27,9 +28,9 @@ static rigcal_measured_point point;
 
 #define WANTS_RIG TEST_WANTS_RAM(sizeof m + sizeof gains + 8000)
 
-static double root[FREE][FREE]; /* of the joint covariance */
+static double root[FREE][FREE]; /* a factor of the joint covariance */
 
-/* L L^T, L from small integers: as tests/vectors/point_oracle.py has it. */
+/* L L^T with small integers in L, as in tests/vectors/point_oracle.py. */
 static void fill_covariance(int n_free, int seed)
 {
     double(*const L)[FREE] = root;
@@ -158,8 +159,8 @@ static void test_lengths_are_those_of_dense_algebra(void)
 
 static const double NOISE = 0.3;
 
-/* Cameras in an arc of 70 degrees, 4 away, which see X; one lens in three is a fisheye,
- * one has distortion. */
+/* Cameras in an arc of 70 degrees, at a distance of 4, which see X. One lens in three is a
+ * fisheye, one has distortion. */
 static void simulate(test_rng *rng, int n, double noise)
 {
     clear(n, 1);
@@ -208,8 +209,9 @@ static void test_a_point_of_exact_views_is_where_it_is(void)
     }
 }
 
-/* The point that is measured with a camera at R <- exp([w]x) R, t <- t + dt, by
- * differences: the gain is minus that, for it tells what an error of the camera does. */
+/* The derivative of the point by a move of a camera, R <- exp([w]x) R, t <- t + dt, by
+ * differences. The gain is minus that, because it gives the effect of an error of the
+ * camera. */
 static void test_gains_are_what_moved_cameras_do(void)
 {
     const double step = TOL(1e-5, 2e-3);
@@ -252,7 +254,7 @@ static void test_gains_are_what_moved_cameras_do(void)
     }
 }
 
-/* g^T Sigma g over all cameras of the rig, each point seen by two of its own. */
+/* g^T Sigma g over all cameras of the rig. Each point is seen by two cameras of its own. */
 static void test_a_length_takes_points_of_different_cameras(void)
 {
     static rigcal_point_gain other_gains[N];
@@ -305,7 +307,7 @@ static void test_a_length_takes_points_of_different_cameras(void)
 
 /* ---- wrong views --------------------------------------------------------------- */
 
-/* The cameras, each where its error of the joint covariance takes it: d = L z. */
+/* Moves each camera by a random error of the joint covariance: d = L z. */
 static void misplace(test_rng *rng, int n_free)
 {
     double z[FREE];
@@ -331,7 +333,7 @@ static void misplace(test_rng *rng, int n_free)
     }
 }
 
-/* What the calibration's error moves is not held against a view. */
+/* The effect of the calibration's error does not make a view wrong. */
 static void test_views_of_misplaced_cameras_are_not_wrong(void)
 {
     test_rng rng = test_seed(620);
@@ -376,7 +378,7 @@ static void test_the_order_of_views_does_not_matter(void)
     ASSERT_NEAR(chi2, point.chi2, TOL(1e-6, 2e-2) * (1 + chi2));
 }
 
-/* One in a hundred has a large chi square, and yet no view is wrong. */
+/* One point in a hundred has a large chi square, but no view is wrong. */
 static void test_views_that_are_right_are_all_used(void)
 {
     test_rng rng = test_seed(604);
@@ -401,8 +403,8 @@ static void test_views_that_are_right_are_all_used(void)
     TEST_ASSERT_TRUE(n_poor > 0 || TEST_ONE_IN > 1);
 }
 
-/* Of 4 views and more the wrong ones are named, and no other; the gains are those of the
- * views that are used, and the point is that of these views alone. */
+/* With 4 or more views the wrong ones are named, and no others. The gains and the point are
+ * those of the views that are used. */
 static void test_wrong_views_are_named(void)
 {
     test_rng rng = test_seed(605);
@@ -441,8 +443,8 @@ static void test_wrong_views_are_named(void)
         TEST_ASSERT_TRUE(rigcal_point_measure(&point, used, &m.s) >= 0);
         TEST_ASSERT_EQUAL_MEMORY(X, point.X, sizeof X);
     }
-    /* 98 % are expected here, of views that are also wrong along their lines; bench_points
-     * counts shares. */
+    /* 98 % are expected here, with views that are also wrong along their lines.
+     * bench_points counts the shares. */
     TEST_ASSERT_TRUE(exact >= trials - (trials + 19) / 20);
 }
 
@@ -479,20 +481,20 @@ static void test_views_that_do_not_show_one_point_are_told(void)
     TEST_ASSERT_TRUE(D(point.chi2) > 1000);
     TEST_ASSERT_EQUAL_UINT64(4, point.n_used);
 
-    /* Two views, one moved across the matching line. */
+    /* Two views, one of them moved across the matching line. */
     simulate(&rng, 2, 0);
     m.seen[1].uv[1] += 40;
     ASSERT_STATUS(RIGCAL_POOR_FIT, rigcal_point_measure(&point, NULL, &m.s));
 
     simulate(&rng, 3, 0);
-    for (int i = 0; i < 3; i++) { /* every pair misses */
+    for (int i = 0; i < 3; i++) { /* no pair agrees */
         m.seen[i].uv[1] += RC(i == 1 ? -80 : i == 2 ? 30 : 120);
     }
     ASSERT_REFUSED(RIGCAL_ERR_NO_CONSENSUS, point,
                    rigcal_point_measure(&point, NULL, &m.s));
 }
 
-/* The rig's F says by how much more than noise right views differ. */
+/* The rig's F says how much more than noise right views differ. */
 static void test_limits_grow_with_what_views_of_the_rig_disagree(void)
 {
     test_rng rng = test_seed(608);
@@ -511,7 +513,7 @@ static void test_limits_grow_with_what_views_of_the_rig_disagree(void)
     TEST_ASSERT_EQUAL_INT(0, dropped_with_F);
 }
 
-/* More than 16 views: 120 pairs. The right ones are two thirds. */
+/* More than 16 views: 120 pairs are tried. Two thirds of the views are right. */
 static void test_many_views_with_a_third_of_them_wrong(void)
 {
     test_rng rng = test_seed(609);
@@ -533,6 +535,39 @@ static void test_many_views_with_a_third_of_them_wrong(void)
         exact += is_exact;
     }
     TEST_ASSERT_TRUE(exact >= trials - (trials + 9) / 10);
+}
+
+/* Of many views the pairs are tried from the widest angle down. */
+static void test_the_pair_of_the_widest_angle_is_tried_first(void)
+{
+    test_rng rng = test_seed(613);
+    rigcal_point_solver solver;
+    double last = 1;
+    size_t tried = 0;
+
+    WANTS_RIG;
+    simulate(&rng, N, NOISE);
+    for (int i = 0; i < N; i += 3) {
+        spoil(&rng, i, 40);
+    }
+    ASSERT_STATUS(RIGCAL_OK, rigcal_point_begin(&solver, &m.s));
+    while (rigcal_point_step(&solver, 1) == RIGCAL_RUNNING) {
+        double ray[2][3], across[3], sine2;
+
+        if (solver.pair == tried || solver.pair > solver.n_pairs) {
+            continue;
+        }
+        tried = solver.pair;
+        for (int k = 0; k < 2; k++) {
+            test_to_double(ray[k], rc_sights_of(&solver)[solver.two[k]].ray, 3);
+        }
+        test_cross(across, ray[0], ray[1]);
+        sine2 =
+            test_dot(across, across) / test_dot(ray[0], ray[0]) / test_dot(ray[1], ray[1]);
+        TEST_ASSERT_TRUE(sine2 <= last * (1 + TOL(1e-9, 1e-3)));
+        last = sine2;
+    }
+    TEST_ASSERT_GREATER_THAN_size_t(10, tried);
 }
 
 /* ---- steps ---------------------------------------------------------------------- */
@@ -572,7 +607,8 @@ static void test_any_budgets_give_the_same_bits(void)
     }
 }
 
-/* Of n views: each is checked, its ray, two or three evaluations, its rows. */
+/* With n views: each is checked, its ray computed, evaluated two or three times, and its
+ * rows computed. */
 static void test_units_are_views(void)
 {
     test_rng rng = test_seed(611);
@@ -634,12 +670,13 @@ static void test_zero_parallax_has_a_status(void)
     WANTS_RIG;
     clear(2, 1);
     fill_covariance(1, 1);
-    look(0, 0, 0, 0, 0); /* side by side, the same pixel */
+    look(0, 0, 0, 0, 0); /* side by side, with the same pixel */
     look(1, 1, 0, 0, 0);
     ASSERT_REFUSED(RIGCAL_ERR_PARALLEL, point, rigcal_point_measure(&point, NULL, &m.s));
-    look(1, 0, 0, 0, 0); /* from one place */
+    look(1, 0, 0, 0, 0); /* from the same place */
     ASSERT_REFUSED(RIGCAL_ERR_PARALLEL, point, rigcal_point_measure(&point, NULL, &m.s));
-    look(1, 0, 0, 5, TEST_PI); /* each is in the other's middle, its epipole */
+    look(1, 0, 0, 5, TEST_PI); /* each camera is in the middle of the other's image, at its
+                                  epipole */
     ASSERT_REFUSED(RIGCAL_ERR_PARALLEL, point, rigcal_point_measure(&point, NULL, &m.s));
     m.seen[0].uv[0] += RC(0.5); /* and next to it */
     ASSERT_REFUSED(RIGCAL_ERR_PARALLEL, point, rigcal_point_measure(&point, NULL, &m.s));
@@ -663,6 +700,24 @@ static void test_the_least_parallax_is_the_callers(void)
     ASSERT_REFUSED(RIGCAL_ERR_PARALLEL, point, rigcal_point_measure(&point, NULL, &m.s));
 }
 
+/* Without a limit of the caller's it is 0.1 degree. */
+static void test_the_least_parallax_is_a_tenth_of_a_degree(void)
+{
+    WANTS_RIG;
+    for (int more = 0; more < 2; more++) {
+        const double angle = (more ? 0.11 : 0.09) * TEST_PI / 180;
+
+        clear(2, 1);
+        fill_covariance(1, 1);
+        look(0, 0, 0, 0, 0);
+        look(1, 1, 0, 0, 0);
+        m.seen[1].uv[0] -= RC(800 * tan(angle));
+        memset(&point, 0, sizeof point);
+        ASSERT_STATUS(more ? RIGCAL_OK : RIGCAL_ERR_PARALLEL,
+                      rigcal_point_measure(&point, NULL, &m.s));
+    }
+}
+
 static void test_a_point_behind_a_camera_has_a_status(void)
 {
     WANTS_RIG;
@@ -670,14 +725,15 @@ static void test_a_point_behind_a_camera_has_a_status(void)
     fill_covariance(1, 1);
     look(0, 0, 0, 0, 0);
     look(1, 1, 0, 0, 0);
-    m.seen[1].uv[0] += 80; /* the rays run apart */
+    m.seen[1].uv[0] += 80; /* the rays do not meet in front */
     ASSERT_REFUSED(RIGCAL_ERR_BEHIND, point, rigcal_point_measure(&point, NULL, &m.s));
     clear(3, 1);
     fill_covariance(2, 1);
     look(0, 0, 0, 0, 0);
     look(1, 1, 0, 0, 0);
     look(2, 2, 0, 0, 0);
-    m.seen[1].uv[0] -= 80; /* of three it is dropped: these two show a point 10 ahead */
+    m.seen[1].uv[0] -= 80; /* of three views it is dropped: the other two show a point 10
+                              ahead */
     m.seen[2].uv[0] += 80;
     memset(&point, 0, sizeof point);
     ASSERT_STATUS(RIGCAL_FEW_AGREE, rigcal_point_measure(&point, NULL, &m.s));
@@ -685,7 +741,7 @@ static void test_a_point_behind_a_camera_has_a_status(void)
 }
 
 /* Views 0, 1 and 3 show a point 10 ahead. Camera 2 cannot have seen it: it looks back, or
- * so far aside that its lens turns back before. */
+ * so far to the side that its lens folds before that. */
 static void test_a_camera_that_cannot_see_the_point_is_left_out(void)
 {
     WANTS_RIG;
@@ -708,7 +764,7 @@ static void test_a_camera_that_cannot_see_the_point_is_left_out(void)
     }
 }
 
-/* A barrel lens turns back 490 pixels from the middle: there is no ray beyond. */
+/* A barrel lens folds 490 pixels from the middle. Beyond that there is no ray. */
 static void test_a_pixel_beyond_a_lens_has_a_status(void)
 {
     test_rng rng = test_seed(613);
@@ -728,8 +784,8 @@ static void test_a_pixel_beyond_a_lens_has_a_status(void)
     TEST_ASSERT_EQUAL_UINT64(3, point.n_used);
 }
 
-/* Of two cameras each has a covariance, and with the exact one a point; both have none, of
- * a correlation of 2. */
+/* Each of two cameras has a covariance, and gives a point together with the exact camera.
+ * Their joint covariance has a correlation of 2, so it is no covariance. */
 static void test_a_joint_covariance_that_is_none_has_a_status(void)
 {
     test_rng rng = test_seed(622);
@@ -745,7 +801,7 @@ static void test_a_joint_covariance_that_is_none_has_a_status(void)
     }
     ASSERT_REFUSED(RIGCAL_ERR_DEGENERATE, point, rigcal_point_measure(&point, NULL, &m.s));
     m.seen[2] = m.seen[1];
-    m.s.n = 2; /* without the third it is one */
+    m.s.n = 2; /* without the third camera it is a covariance */
     memset(&point, 0, sizeof point);
     ASSERT_STATUS(RIGCAL_OK, rigcal_point_measure(&point, NULL, &m.s));
     ASSERT_ARRAY_NEAR(m.X, point.X, 3, TOL(1e-11, 1e-4));
@@ -786,7 +842,8 @@ static void test_without_a_joint_covariance_there_is_noise_alone(void)
     ASSERT_REFUSED(RIGCAL_ERR_STATE, point, rigcal_point_measure(&point, NULL, &m.s));
 }
 
-/* Noise of its own makes a view count less: as much as the rig's for all, if not given. */
+/* A larger noise of its own makes a view count less. If no noise is given, each view has
+ * that of the rig. */
 static void test_the_noise_is_the_rigs_if_no_other_is_given(void)
 {
     test_rng rng = test_seed(616);
@@ -802,7 +859,7 @@ static void test_the_noise_is_the_rigs_if_no_other_is_given(void)
     TEST_ASSERT_EQUAL_MEMORY(&all, &point, sizeof all);
 }
 
-/* Two views of one camera, as of a target that stands still: the same as one of less
+/* Two views by one camera, of a target that stands still, count like one view with less
  * noise. */
 static void test_a_camera_may_see_a_point_twice(void)
 {
@@ -897,7 +954,7 @@ static void test_arguments_of_a_length_are_checked(void)
                    rigcal_point_distance(&distance, &sigma, &m.rig, &point, &other));
 }
 
-/* Of a rig without a covariance: what else a calibrated one has is checked all the same. */
+/* Without a covariance, all else in a calibrated rig is still checked. */
 static void test_a_rig_without_a_covariance_is_checked(void)
 {
     test_rng rng = test_seed(620);
@@ -976,11 +1033,13 @@ TEST_MAIN()
     RUN_TEST(test_views_that_do_not_show_one_point_are_told);
     RUN_TEST(test_limits_grow_with_what_views_of_the_rig_disagree);
     RUN_TEST(test_many_views_with_a_third_of_them_wrong);
+    RUN_TEST(test_the_pair_of_the_widest_angle_is_tried_first);
     RUN_TEST(test_any_budgets_give_the_same_bits);
     RUN_TEST(test_units_are_views);
     RUN_TEST(test_a_solver_tells_its_state);
     RUN_TEST(test_zero_parallax_has_a_status);
     RUN_TEST(test_the_least_parallax_is_the_callers);
+    RUN_TEST(test_the_least_parallax_is_a_tenth_of_a_degree);
     RUN_TEST(test_a_point_behind_a_camera_has_a_status);
     RUN_TEST(test_a_camera_that_cannot_see_the_point_is_left_out);
     RUN_TEST(test_a_pixel_beyond_a_lens_has_a_status);

@@ -1,5 +1,5 @@
-/* monitor: memory, begin, matches. The truth: simulated rigs, and the same filter in double
- * made here. */
+/* monitor: memory, begin, matches. The truth: simulated rigs, and the same filter in
+ * double. */
 #include <math.h>
 #include <string.h>
 
@@ -38,6 +38,34 @@ static void test_a_monitor_takes_what_its_macro_says_and_no_more_than_it_may(voi
                      rigcal_monitor_size(2, 17) == 0);
 }
 
+/* FNV-1a of the monitor's memory. */
+static uint32_t hash_of_monitor(void)
+{
+    const unsigned char *const bytes = (const unsigned char *)w.monitor;
+    uint32_t hash = 2166136261u;
+
+    for (size_t k = 0; k < w.size * sizeof w.monitor[0]; k++) {
+        hash = (hash ^ bytes[k]) * 16777619u;
+    }
+    return hash;
+}
+
+static void test_a_monitor_is_the_same_in_memory_of_any_bytes(void)
+{
+    uint32_t hash[2];
+
+    WANTS_RIG();
+    for (int k = 0; k < 2; k++) {
+        test_rng rng = test_seed(2);
+
+        test_watched_make(&w, &rng, 2, 1, 1e-3, 2e-3);
+        memset(w.monitor, k == 0 ? 0 : 0x5a, sizeof w.monitor);
+        test_watched_begin(&w, 1, NULL);
+        hash[k] = hash_of_monitor();
+    }
+    TEST_ASSERT_EQUAL_HEX32(hash[0], hash[1]);
+}
+
 static void test_memory_that_was_not_begun_is_refused(void)
 {
     test_rng rng = test_seed(1);
@@ -56,7 +84,7 @@ static void test_memory_that_was_not_begun_is_refused(void)
     }
 }
 
-/* Between frames any bit, within a frame any bit of the head. */
+/* Any bit between frames; within a frame, any bit of the head. */
 static void test_a_bit_that_was_changed_is_noticed(void)
 {
     const watched_matches like = {20, 0.3, 0, 0};
@@ -85,8 +113,8 @@ static void test_a_bit_that_was_changed_is_noticed(void)
     ASSERT_STATUS(RIGCAL_OK, rigcal_monitor_ask(&report, w.monitor));
 }
 
-/* A seal is no proof: numbers that would lead out of the memory are refused under one that
- * is right. */
+/* A seal is no proof. Numbers that would point outside the memory are refused, even with a
+ * right seal. */
 static void test_a_head_of_wrong_numbers_is_refused_under_a_right_seal(void)
 {
     test_rng rng = test_seed(8);
@@ -159,11 +187,11 @@ static void test_rigs_that_cannot_be_watched_are_refused(void)
     w.Sigma[1] = 2 * w.Sigma[0];
     ASSERT_STATUS(RIGCAL_ERR_RANGE, rigcal_monitor_begin(w.monitor, size, &w.rig, 0, NULL));
     w.Sigma[1] = 0;
-    w.held[0] = 0; /* none is the frame */
+    w.held[0] = 0; /* no camera is the frame */
     ASSERT_STATUS(w.rig.Sigma_capacity < RIGCAL_CALIBRATED_SIZE(2) ? RIGCAL_ERR_CAPACITY
                                                                    : RIGCAL_ERR_RANGE,
                   rigcal_monitor_begin(w.monitor, size, &w.rig, 0, NULL));
-    w.held[0] = w.held[1] = 1; /* the first is */
+    w.held[0] = w.held[1] = 1; /* the first camera is the frame */
     ASSERT_STATUS(RIGCAL_OK, rigcal_monitor_begin(w.monitor, size, &w.rig, 0, NULL));
     ASSERT_STATUS(RIGCAL_OK, rigcal_monitor_rig(&w.rig, w.monitor));
     TEST_ASSERT_TRUE(w.held[0] == 1 && w.held[1] == 0);
@@ -193,7 +221,7 @@ static double base_variance(void)
     return sum / (length * length);
 }
 
-/* A million in bench_monitor; here a fifth. */
+/* bench_monitor has a million frames; here a fifth of that. */
 static void test_matches_of_a_still_pair_do_not_learn_the_length_of_its_base(void)
 {
     const watched_matches like = {100, 0.3, 0, 1};
@@ -219,7 +247,7 @@ static void test_matches_of_a_still_pair_do_not_learn_the_length_of_its_base(voi
 /* ---- float against double
  * ------------------------------------------------------------------ */
 
-/* The same filter of two cameras, of the matches that the monitor gets, in double: (M1) to
+/* The same filter for two cameras and the matches that the monitor gets, in double: (M1) to
  * (M3), (M8) with P itself. */
 typedef struct {
     double R[9], t[3], P[6][6], d[6];
@@ -392,6 +420,7 @@ static void test_a_failed_match_changes_nothing(void)
 TEST_MAIN()
 {
     RUN_TEST(test_a_monitor_takes_what_its_macro_says_and_no_more_than_it_may);
+    RUN_TEST(test_a_monitor_is_the_same_in_memory_of_any_bytes);
     RUN_TEST(test_memory_that_was_not_begun_is_refused);
     RUN_TEST(test_a_bit_that_was_changed_is_noticed);
     RUN_TEST(test_a_head_of_wrong_numbers_is_refused_under_a_right_seal);

@@ -1,5 +1,5 @@
 /* motion: how a target moves between its placements. The truth: paths whose places and
- * velocities are polynomials of the time, about one axis. */
+ * velocities are polynomials of time, about one axis. */
 #include <math.h>
 
 #include "rc_motion.h"
@@ -10,7 +10,8 @@ enum { N = 12 };
 static rigcal_transform poses[N];
 static rigcal_real times[N];
 
-/* Of the power k of the time: the turn about AXIS, the place along each axis. */
+/* Coefficients of the powers of time: of the turn about AXIS, and of the place along each
+ * axis. */
 static const double TURN[5] = {0.3, 0.9, -0.7, 0.5, 0.4};
 static const double PLACE[3][5] = {
     {0.1, 0.4, -0.3, 0.2, 0.6}, {-0.2, 0.1, 0.5, -0.4, 0.3}, {0.9, -0.5, 0.2, 0.3, -0.2}};
@@ -72,7 +73,7 @@ static void expect_motion(const rigcal_motion *motion, int f, double after, int 
     ASSERT_ARRAY_NEAR(xi, speed, 6, TOL(1e-10, 2e-4));
 }
 
-/* n neighbours make a polynomial of degree n. */
+/* With n neighbours the path is a polynomial of degree n. */
 static void test_a_path_of_the_degree_of_its_neighbours_is_found(void)
 {
     for (int degree = 1; degree <= 4; degree++) {
@@ -103,7 +104,7 @@ static void expect_times(int f, int neighbours, int n, const int of[])
     }
 }
 
-/* Two on each side, where there are. */
+/* Two neighbours on each side, if there are two. */
 static void test_the_neighbours_are_the_nearest_of_the_run(void)
 {
     static const int MIDDLE[4] = {4, 6, 3, 7}, FIRST[4] = {1, 2, 3, 4},
@@ -118,7 +119,7 @@ static void test_the_neighbours_are_the_nearest_of_the_run(void)
     expect_times(5, 2, 2, TWO);
 }
 
-/* A run ends where a step is too long, or none; a time that is not known is passed over. */
+/* A run ends where a step is too long, or 0. Unknown times are skipped. */
 static void test_a_run_ends_at_a_gap(void)
 {
     static const int SHORT[2] = {4, 3}, OTHER[4] = {7, 8, 9, 10}, OVER[4] = {5, 8, 4, 9};
@@ -133,12 +134,12 @@ static void test_a_run_ends_at_a_gap(void)
     expect_times(5, 4, 2, SHORT);
     expect_times(6, 4, 4, OTHER);
     fill(N, 2);
-    times[6] = TEST_NAN; /* 5 and 7 are 0.2 apart, and a bit */
+    times[6] = TEST_NAN; /* 5 and 7 are slightly more than 0.2 apart */
     times[7] = times[5] + RC(0.19);
     expect_times(7, 4, 4, OVER);
     expect_times(6, 4, 0, NULL);
     times[6] = times[5];
-    expect_times(6, 1, 1, (const int[1]){7}); /* of one instant there is no step */
+    expect_times(6, 1, 1, (const int[1]){7}); /* between equal times there is no step */
     times[0] = TEST_INF;
     expect_times(0, 4, 0, NULL);
     expect_times(1, 1, 1, (const int[1]){2});
@@ -159,7 +160,7 @@ static void test_a_placement_by_itself_has_no_motion(void)
     }
 }
 
-/* m against what cam_from_target does in a short time. */
+/* Compares m with the change of cam_from_target in a short time. */
 static void test_a_camera_sees_the_velocity_of_the_target(void)
 {
     const double h = TOL(1e-5, 1e-2);

@@ -1,7 +1,7 @@
-/* neldermead: the simplex search against SciPy's, run by run and point by
- * point (tests/vectors), against a plain transcription of Lagarias et al.
- * (1998) below for simplexes and functions of any kind, and against what
- * rigcal.h says of budgets, of costs that are no numbers and of states. */
+/* neldermead: compares the simplex search with SciPy's, run by run and point by point
+ * (tests/vectors); for any simplexes and functions with a plain transcription of Lagarias
+ * et al. (1998) below; and with what rigcal.h says about budgets, costs that are no
+ * numbers, and states. */
 #include <math.h>
 #include <string.h>
 
@@ -12,8 +12,8 @@ enum { NO_LIMIT = 100000, K_MAX = RIGCAL_NELDERMEAD_DIM_MAX };
 
 /* ---- functions to minimise ----------------------------------------------- */
 
-/* Sums and products in the order in which make_vectors.py writes them, so that
- * not even roundings differ. */
+/* Sums and products are in the order of make_vectors.py, so that even the rounding is the
+ * same. */
 static rigcal_real rosenbrock(void *context, const rigcal_real x[])
 {
     const rigcal_real a = x[1] - x[0] * x[0], b = 1 - x[0];
@@ -117,7 +117,7 @@ static outcome result_of(const rigcal_neldermead *nm)
     return end;
 }
 
-/* By asking and telling; counts for itself. */
+/* Runs a search by asking and telling, and counts by itself. */
 static outcome run(rigcal_neldermead *nm, rigcal_cost cost, void *context)
 {
     rigcal_real x[K_MAX] = {0, 0, 0};
@@ -148,7 +148,7 @@ static void begin(rigcal_neldermead *nm, const rigcal_real x0[], int k, double t
                   rigcal_neldermead_begin(nm, x0, k, RC(tol), RC(tol), max_evals));
 }
 
-/* Every vertex and cost within tol of the best, which is the first. */
+/* Whether every vertex and cost is within tol of the first, which is the best. */
 static int has_converged(const rigcal_neldermead *nm, double tol)
 {
     for (int v = 1; v <= nm->k; v++) {
@@ -179,7 +179,7 @@ static void test_each_run_takes_as_many_evaluations_as_scipys(void)
         begin(&nm, x0, k, row[5], (int)row[6]);
         end = run(&nm, CLASSICAL[which], NULL);
         TEST_ASSERT_EQUAL_INT32((int32_t)row[7], end.evals);
-        /* SciPy says "spent" also when the last evaluation converged. */
+        /* SciPy also says "spent" if the last evaluation converged. */
         ASSERT_STATUS(row[12] > 0 && !has_converged(&nm, row[5]) ? RIGCAL_BUDGET_SPENT
                                                                  : RIGCAL_OK,
                       end.status);
@@ -206,7 +206,7 @@ static void test_every_point_evaluated_is_the_one_scipy_evaluates(void)
     }
 }
 
-/* In float too: the least value is 0 in each. */
+/* Also in float: the least value of each is 0. */
 static void test_the_classical_functions_are_minimised(void)
 {
     for (int i = 0; i < NELDERMEAD_RUN_ROWS; i++) {
@@ -267,8 +267,8 @@ static void test_a_simplex_of_the_callers_is_evaluated_as_it_stands(void)
 
 /* ---- the rules, transcribed ---------------------------------------------- */
 
-/* Lagarias et al. (1998), section 2, in doubles; keeps what it evaluates. NaN
- * and infinities of either sign count as the worst cost. */
+/* Lagarias et al. (1998), section 2, in double. It keeps what it evaluates. NaN and
+ * infinities of either sign count as the worst cost. */
 enum { TRACE_MAX = 120 };
 
 typedef struct {
@@ -292,7 +292,7 @@ static double textbook_eval(textbook *s, const double x[])
     return isfinite(f) ? f : test_infinity();
 }
 
-/* Puts vertices in order of cost; an equal one stays behind. */
+/* Sorts the vertices by cost. A new one goes after those with equal cost. */
 static void textbook_sort(textbook *s)
 {
     for (int i = 1; i <= s->k; i++) {
@@ -308,7 +308,7 @@ static void textbook_sort(textbook *s)
     }
 }
 
-/* x = centroid + c (worst - centroid), evaluated. */
+/* Evaluates x = centroid + c (worst - centroid). */
 static double textbook_try(textbook *s, double x[], double c)
 {
     for (int d = 0; d < s->k; d++) {
@@ -360,8 +360,8 @@ static void textbook_iterate(textbook *s)
     textbook_sort(s);
 }
 
-/* Random bowls from random simplexes, some with a wall; the first evaluations,
- * before roundings can decide. In float those are few. */
+/* Random bowls from random simplexes, some with a wall. Compares the first evaluations,
+ * before rounding can decide; in float these are few. */
 static void test_any_simplex_follows_the_published_rules(void)
 {
     test_rng rng = test_seed(3);
@@ -402,8 +402,8 @@ static void test_any_simplex_follows_the_published_rules(void)
     }
 }
 
-/* The simplex (0, 0), (1, 0), (0, 1) with costs 0, 1, 2; what is asked after
- * the costs given, in the order of SciPy's comparisons. */
+/* The simplex (0, 0), (1, 0), (0, 1) with the costs 0, 1, 2. Checks what is asked after the
+ * given costs, in the order of SciPy's comparisons. */
 static void assert_asked(double x, double y, int n, const double costs[])
 {
     static const rigcal_real simplex[6] = {0, 0, 1, 0, 0, 1};
@@ -431,20 +431,21 @@ static void test_equal_costs_are_judged_as_scipy_judges_them(void)
 
     /* (0, 1) is reflected to (1, -1). */
     assert_asked(1, -1, 0, NULL);
-    /* As good as the best is no better: no expansion, taken as it is. Among
-     * equals the older stays before: (1, 0) is the worst now. */
+    /* A cost equal to the best is not better: it is accepted without expansion. Of equal
+     * costs the older one stays first, so (1, 0) is now the worst. */
     assert_asked(0, -1, 1, as_best);
-    /* As good as the second: contracted outside. As the worst: inside. */
+    /* A cost equal to the second: outside contraction. Equal to the worst: inside
+     * contraction. */
     assert_asked(0.75, -0.5, 1, as_second);
     assert_asked(0.25, 0.5, 1, as_worst);
-    /* An expansion only as good as the reflection is not taken. */
+    /* An expansion that is only as good as the reflection is not accepted. */
     assert_asked(0, -1, 2, expanded_equal);
     assert_asked(0.5, -2, 2, expanded);
-    /* An outer contraction as good as the reflection is, a worse one
-     * shrinks. */
+    /* An outside contraction as good as the reflection is accepted; a worse one leads to a
+     * shrink. */
     assert_asked(0.25, 0.5, 2, outside_equal);
     assert_asked(0.5, 0, 2, outside_worse);
-    /* An inner contraction only as good as the worst shrinks. */
+    /* An inside contraction that is only as good as the worst leads to a shrink. */
     assert_asked(0.5, 0, 2, inside_equal);
     assert_asked(0.75, -0.5, 2, inside_better);
 }
@@ -469,8 +470,8 @@ static void test_bowls_of_one_to_three_variables_are_minimised(void)
         begin(&nm, x0, k, TOL(1e-8, 1e-4), NO_LIMIT);
         end = run(&nm, bowl_cost, &f);
         ASSERT_STATUS(RIGCAL_OK, end.status);
-        /* Mostly about 100; from a start with a zero, whose first simplex is
-         * 0.00025 thin, the method can need some 2000. */
+        /* Mostly about 100. From a start with a zero, whose first simplex is 0.00025 thin,
+         * the method may need some 2000. */
         TEST_ASSERT_TRUE(end.evals < 3000);
         TEST_ASSERT_EQUAL_INT(f.evals, end.evals);
         test_to_double(b, f.b, (size_t)k);
@@ -570,7 +571,7 @@ static void test_places_without_a_finite_cost_are_moved_away_from(void)
         outcome end;
         double b[K_MAX];
 
-        /* The start stands just inside of the wall, the least value too. */
+        /* The start is just inside the wall. So is the least value. */
         f.beyond = RC(beyond[trial % 9 / 3]);
         f.wall = RC(D(f.b[0]) - 0.5);
         x0[0] = RC(D(f.wall) + 0.01);
@@ -805,7 +806,7 @@ static void test_the_best_vertex_is_known_from_the_first_cost_on(void)
     }
 }
 
-/* Memory that a search never leaves so. */
+/* Contents of memory that a search never leaves. */
 static void test_a_search_with_a_field_out_of_range_is_refused(void)
 {
     const rigcal_real x0[3] = {3, -1, 1};
@@ -847,7 +848,7 @@ static void test_a_search_with_a_field_out_of_range_is_refused(void)
 
 TEST_MAIN()
 {
-    if (!RIGCAL_USE_FLOAT) { /* float rounds otherwise */
+    if (!RIGCAL_USE_FLOAT) { /* float has other rounding */
         RUN_TEST(test_each_run_takes_as_many_evaluations_as_scipys);
     }
     RUN_TEST(test_every_point_evaluated_is_the_one_scipy_evaluates);

@@ -1,10 +1,10 @@
-/* optima: which are kept, in which order, and which are taken for the same. */
+/* optima: which optima are kept, in which order, and which count as the same. */
 #include "rc_optima.h"
 #include "test_support.h"
 
 static const double AXIS[3] = {1, 2, -3};
 
-/* A pose that tells its number: turned by a tenth of it, as far away. */
+/* A pose that shows its number: turned by a tenth of it, and as far away. */
 static rigcal_transform numbered(int number)
 {
     const double t[3] = {number, -number, 2 * number};
@@ -19,7 +19,7 @@ static int32_t insert(rigcal_optima *optima, int number, double sse)
     return rc_optima_insert(optima, -1, &T, RC(sse));
 }
 
-/* The numbers and sums of all that are kept. */
+/* Checks the numbers and sums of all optima that are kept. */
 static void assert_kept(const rigcal_optima *optima, int n, const int numbers[],
                         const double sums[])
 {
@@ -51,7 +51,8 @@ static void test_a_kept_pose_comes_back_whole(void)
 
 /* ---- order, capacity ----------------------------------------------------------- */
 
-/* Each order in which four can come: best first in the end, and told at which place. */
+/* Every order in which four optima can come. At the end they are sorted, and each insertion
+ * returned its place. */
 static void test_every_order_of_coming_ends_in_the_order_of_the_sums(void)
 {
     static const int SORTED[4] = {0, 1, 2, 3};
@@ -64,7 +65,7 @@ static void test_every_order_of_coming_ends_in_the_order_of_the_sums(void)
         for (int i = 0; i < 4; i++) {
             came |= 1 << order[i];
         }
-        if (came != 15) { /* not each of them once */
+        if (came != 15) { /* skip unless each comes once */
             continue;
         }
         for (int i = 0; i < 4; i++) {
@@ -92,12 +93,12 @@ static void test_the_best_are_kept_when_there_are_too_many(void)
     }
     assert_kept(&optima, RIGCAL_POSES_MAX, numbers, sums);
 
-    /* no better than the last */
+    /* no better than the last one */
     TEST_ASSERT_EQUAL_INT32(-1, insert(&optima, 50, RIGCAL_POSES_MAX));
     TEST_ASSERT_EQUAL_INT32(-1, insert(&optima, 51, 1e9));
     assert_kept(&optima, RIGCAL_POSES_MAX, numbers, sums);
 
-    /* better than the last, which goes */
+    /* better than the last one, which is removed */
     TEST_ASSERT_EQUAL_INT32(RIGCAL_POSES_MAX - 1,
                             insert(&optima, 52, RIGCAL_POSES_MAX - 0.5));
     numbers[RIGCAL_POSES_MAX - 1] = 52;
@@ -165,7 +166,7 @@ static void test_a_rotation_is_near_within_the_angle_and_no_farther(void)
     }
 }
 
-/* Of several it is the first; the translation does not count. */
+/* Of several that are near it is the first. The translation does not count. */
 static void test_the_first_of_those_near_is_told(void)
 {
     const double t[3] = {100, 200, 300};

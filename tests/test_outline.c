@@ -1,4 +1,4 @@
-/* outline: the spans of a closed curve that is handed in piece by piece. The truth: a
+/* outline: the spans of a closed curve that is given piece by piece. The truth: a
  * circle. */
 #include <math.h>
 
@@ -9,7 +9,7 @@ enum { PIECES = 12, LAST = RIGCAL_SPANS_NODES - 1 };
 
 static rigcal_outline outline;
 
-/* The circle, in PIECES arcs of five nodes each, one way round or the other. */
+/* Adds the circle as PIECES arcs of five nodes each, in either direction. */
 static void add_circle(double u, double v, double radius, double from, int way)
 {
     const double step = way * 2 * TEST_PI / (PIECES * LAST);
@@ -34,7 +34,7 @@ static void assert_row(int32_t row, double left, double right, int32_t width)
     const double first = fmax(ceil(left), 0), last = fmin(floor(right), width - 1);
 
     if (fabs(left - round(left)) < 0.02 || fabs(right - round(right)) < 0.02) {
-        return; /* rounding decides */
+        return; /* here rounding decides */
     }
     TEST_ASSERT_EQUAL_UINT64(first <= last, n);
     if (n > 0) {
@@ -72,7 +72,7 @@ static void test_the_rows_of_a_circle_are_its_chords(void)
     }
 }
 
-/* A ring: its rows have two spans, or one. */
+/* A ring. Its rows have two spans, or one. */
 static void test_a_row_may_have_several_spans(void)
 {
     rigcal_span spans[RIGCAL_SPANS_ROW];
@@ -112,7 +112,8 @@ static void test_more_arcs_than_there_is_room_for_are_told(void)
     TEST_ASSERT_EQUAL_INT32(RIGCAL_SPANS_ARCS, outline.n_arcs);
 }
 
-/* A parabola of the row is kept as one: u = 20 + w^2 / 100, w the rows from its first. */
+/* A parabola in v is stored as a polynomial: u = 20 + w^2 / 100, where w counts rows from
+ * its first one. */
 static void test_a_polynomial_of_the_row_is_kept_as_one(void)
 {
     static const rigcal_real u[RIGCAL_SPANS_NODES] = {20, 21, 24, 29, 36};
@@ -131,8 +132,7 @@ static void test_a_polynomial_of_the_row_is_kept_as_one(void)
 
 /* ---- arcs that are no quarter of a circle ----------------------------------- */
 
-/* A curve that falls straight down at u = `left`, so that the one before it has a right
- * end. */
+/* A vertical border at u = `left`. It ends the span that the border before it begins. */
 static void add_edge(double u, double from, double to)
 {
     rigcal_real at[2][RIGCAL_SPANS_NODES];
@@ -144,7 +144,8 @@ static void add_edge(double u, double from, double to)
     rc_outline_add(&outline, at[0], at[1]);
 }
 
-/* Of 0.05 px apart the spans of one row are one; of 2 px they are two. */
+/* Spans of one row that are 0.05 px apart become one span. If they are 2 px apart, they
+ * stay two. */
 static void test_spans_that_touch_become_one(void)
 {
     for (int apart = 0; apart < 2; apart++) {
@@ -171,8 +172,8 @@ static void test_spans_that_touch_become_one(void)
     }
 }
 
-/* More arcs cross a row than it has room for: those that are left out cost spans, not
- * memory. */
+/* More arcs cross a row than it has room for. Then spans are lost, but no memory is
+ * overrun. */
 static void test_a_row_has_no_more_spans_than_there_is_room_for(void)
 {
     rigcal_span spans[RIGCAL_SPANS_ROW];
@@ -206,8 +207,8 @@ static void test_a_stretch_ends_where_the_room_does(void)
     TEST_ASSERT_EQUAL_INT32(row - 1, spans[RIGCAL_SPANS_ROW - 1].row);
 }
 
-/* v = 100 t^4 - `below` hardly rises where it begins: there Newton's method goes too far,
- * and is slow on its way back. u = width t. */
+/* v = 100 t^4 - `below` hardly rises where it begins. There Newton's method goes too far,
+ * and comes back slowly. u = width t. */
 static void add_flat(double below, double width)
 {
     rigcal_real u[RIGCAL_SPANS_NODES], v[RIGCAL_SPANS_NODES];
@@ -232,7 +233,7 @@ static void test_a_flat_start_of_an_arc_is_crossed(void)
         ASSERT_NEAR(ceil(16 * pow(row / 100.0, 0.25) - 0.1), spans[0].first, 0);
         TEST_ASSERT_EQUAL_INT32(64, spans[0].last);
     }
-    add_flat(1e-18, 2000); /* too slow for the steps there are: on the arc all the same */
+    add_flat(1e-18, 2000); /* too slow for the allowed steps, but still on the arc */
     TEST_ASSERT_EQUAL_UINT64(1, rc_outline_row(spans, &outline, 0, 100));
     TEST_ASSERT_TRUE(spans[0].first <= 3);
     TEST_ASSERT_EQUAL_INT32(99, spans[0].last);

@@ -1,5 +1,5 @@
-/* p3p: against scenes whose pose is known, and against a dense scan of one depth,
- * which finds all solutions by no more than the law of cosines. */
+/* p3p: compared with scenes whose pose is known, and with a dense scan of one depth, which
+ * finds all solutions by the law of cosines alone. */
 #include <math.h>
 #include <string.h>
 
@@ -10,11 +10,11 @@
 
 /* ---- scenes -------------------------------------------------------------- */
 
-/* A triangle whose longest side is about 1, its pose, and what is seen of it. */
+/* A triangle whose longest side is about 1, its pose, and its image. */
 typedef struct {
     double X[3][3], R[9], t[3], Y[3][3]; /* Y = R X + t */
     double ray[3][3];
-    double size, area2, distance; /* longest side, |u x w|, of the middle */
+    double size, area2, distance; /* longest side; |u x w|; distance of the middle */
     rigcal_transform found[RC_P3P_MAX];
     int count;
 } scene;
@@ -26,7 +26,7 @@ static double between(const double a[3], const double b[3])
     return test_norm(d);
 }
 
-/* Everything else from X, R, t. */
+/* Computes everything else from X, R, t. */
 static void observe(scene *s)
 {
     double u[3], w[3], normal[3], middle[3] = {0, 0, 0};
@@ -49,7 +49,7 @@ static void observe(scene *s)
     s->distance = test_norm(middle);
 }
 
-/* The target's middle at `at` in the camera. */
+/* Sets t so that the target's middle is at `at` in the camera's frame. */
 static void place(scene *s, const double R[9], const double at[3])
 {
     double turned[3], middle[3] = {0, 0, 0};
@@ -67,7 +67,7 @@ static void place(scene *s, const double R[9], const double at[3])
     observe(s);
 }
 
-/* Cosine of the tilt of the target against the line of sight. */
+/* The cosine of the angle between the target's normal and the line of sight. */
 static double facing(const scene *s)
 {
     double u[3], w[3], normal[3], middle[3];
@@ -90,10 +90,10 @@ static void random_triangle(scene *s, test_rng *rng)
     }
     memset(s->t, 0, sizeof s->t);
     test_rotation(s->R, 0, 0, 0);
-    observe(s); /* for the size */
+    observe(s); /* to know its size */
 }
 
-/* In front, 1.5 to 30 sizes away, tilted by up to 60 degrees. */
+/* A triangle in front of the camera, 1.5 to 30 sizes away, tilted by up to 60 degrees. */
 static void random_scene(scene *s, test_rng *rng)
 {
     random_triangle(s, rng);
@@ -111,7 +111,7 @@ static void random_scene(scene *s, test_rng *rng)
     } while (facing(s) < 0.5 || s->Y[0][2] <= 0 || s->Y[1][2] <= 0 || s->Y[2][2] <= 0);
 }
 
-/* Also that no pose is touched but those that count. */
+/* Solves, and checks that only the poses that count were written. */
 static int solve(scene *s)
 {
     rigcal_real x[3][3], ray[3][3];
@@ -147,8 +147,8 @@ static int is_pose(const scene *s, int i)
     return test_determinant(R) > 0 && test_norm(t) < 1e300;
 }
 
-/* Largest angle between a ray and where pose i puts its point [rad]; -1 when a
- * point is behind or it is no pose. */
+/* The largest angle between a ray and the direction of its point by pose i [rad]; -1: a
+ * point is behind the camera, or the pose is not a pose. */
 static double ray_error(const scene *s, int i)
 {
     double R[9], t[3], worst = 0;
@@ -170,8 +170,8 @@ static double ray_error(const scene *s, int i)
     return worst;
 }
 
-/* How far pose i is from the truth: the largest displacement of a point, over the
- * size of the triangle. */
+/* The error of pose i: the largest displacement of a point, over the size of the
+ * triangle. */
 static double pose_error(const scene *s, int i)
 {
     double R[9], t[3], worst = 0;
@@ -197,9 +197,9 @@ static double least_error(const scene *s)
     return least;
 }
 
-/* What rounding of rays and points may do to the points of the true pose, over the
- * size. A side is wrong by eps times the distance; its square by twice that times
- * its length; the depths by the inverse of the derivative of the squares. */
+/* Bound of the displacement of the true pose's points by rounding of rays and points, over
+ * the size. A side has the error eps times the distance. The square of the side has twice
+ * that times its length. The depths have the inverse of the derivative of the squares. */
 static double rounding_bound(const scene *s)
 {
     double J[9] = {0}, column[3][3], sum = 0, farthest = 0;
@@ -213,7 +213,7 @@ static double rounding_bound(const scene *s)
         J[3 * k + j] = 2 * (dj - di * c) / s->size;
         farthest = fmax(farthest, di);
     }
-    for (int k = 0; k < 3; k++) { /* of the inverse, times the determinant */
+    for (int k = 0; k < 3; k++) { /* rows of the inverse, times the determinant */
         test_cross(column[k], &J[3 * ((k + 1) % 3)], &J[3 * ((k + 2) % 3)]);
         sum += test_dot(column[k], column[k]);
     }
@@ -226,11 +226,11 @@ static double rounding_bound(const scene *s)
 /* ---- all solutions by a scan --------------------------------------------- */
 
 typedef struct {
-    double cosine[3], side2[3]; /* of 01, 02, 12 */
-    double most;                /* depth of point 0 that both its sides allow */
+    double cosine[3], side2[3]; /* for the sides 01, 02, 12 */
+    double most;                /* the largest depth of point 0 that both its sides allow */
 } cosines;
 
-/* Depth j from depth 0 on the nearer or farther branch. */
+/* Depth j from depth 0, on the nearer or the farther branch. */
 static double other_depth(const cosines *C, int j, double s0, int farther)
 {
     const double c = C->cosine[j];
@@ -239,8 +239,8 @@ static double other_depth(const cosines *C, int j, double s0, int farther)
     return s0 * c + (farther ? root : -root);
 }
 
-/* By how much the square of the third side is wrong. s0 = most sin(angle), so that
- * the root above is smooth at the end. */
+/* The error of the square of the third side. s0 = most sin(angle), so that the root above
+ * is smooth at the end. */
 static double third_side(double s[3], const cosines *C, double angle, int branch)
 {
     s[0] = C->most * sin(angle);
@@ -249,8 +249,8 @@ static double third_side(double s[3], const cosines *C, double angle, int branch
     return s[1] * s[1] + s[2] * s[2] - 2 * s[1] * s[2] * C->cosine[2] - C->side2[2];
 }
 
-/* All solutions with positive depths. *margin: how near the scan came to another,
- * by a square of a side or a depth that is nearly zero. */
+/* Finds all solutions with positive depths. *margin: how close the scan came to another
+ * solution: the least square of a side or depth that is nearly zero. */
 static int scan(double s[16][3], double *margin, const scene *target)
 {
     enum { STEPS = 2000 };
@@ -303,12 +303,12 @@ static int scan(double s[16][3], double *margin, const scene *target)
                 memcpy(s[count++], at, sizeof at);
             }
         }
-        *margin = fmin(*margin, fabs(f[2])); /* where two branches meet */
+        *margin = fmin(*margin, fabs(f[2])); /* two branches meet here */
     }
     return count;
 }
 
-/* The depths of pose i. */
+/* Computes the depths of pose i. */
 static void depths(double s[3], const scene *target, int i)
 {
     double R[9], t[3];
@@ -324,7 +324,7 @@ static void depths(double s[3], const scene *target, int i)
 
 /* ---- the truth is among them --------------------------------------------- */
 
-/* Where rounding alone leaves a tenth of the triangle open, two poses merge. */
+/* Where rounding alone moves the pose by a tenth of the triangle, two poses merge. */
 static void test_the_true_pose_is_among_them(void)
 {
     enum { SCENES = TEST_TRIALS(100000) };
@@ -344,8 +344,8 @@ static void test_the_true_pose_is_among_them(void)
     TEST_ASSERT_LESS_OR_EQUAL_INT(SCENES / TOL(10000, 100), open);
 }
 
-/* From 0.3 sizes, where points are seen at all angles, and of triangles as thin as a
- * thousandth. */
+/* From a distance of 0.3 sizes, where points are seen at any angle, and for triangles as
+ * thin as a thousandth. */
 static void test_near_and_thin_triangles_too(void)
 {
     enum { SCENES = TEST_TRIALS(50000) };
@@ -376,8 +376,8 @@ static void test_near_and_thin_triangles_too(void)
     TEST_ASSERT_GREATER_THAN_INT(SCENES * TOL(0.99, 0.8), judged);
 }
 
-/* The camera on the cylinder through the corners, along the normal: there two
- * solutions are one, and rounding moves them by its square root. */
+/* The camera is on the cylinder through the corners, along the normal. There two solutions
+ * are one, and rounding moves them by its square root. */
 static void test_a_double_solution_is_found(void)
 {
     test_rng rng = test_seed(2);
@@ -396,7 +396,7 @@ static void test_a_double_solution_is_found(void)
             s.X[i][1] = sin(a);
             s.X[i][2] = 0;
         }
-        /* A camera at o in the target's frame, turned anyhow. */
+        /* A camera at o in the target's frame, with a random rotation. */
         const double o[3] = {cos(angle), sin(angle), height};
         test_random_rotation(R, &rng);
         test_apply(at, R, o, NULL);
@@ -411,7 +411,8 @@ static void test_a_double_solution_is_found(void)
     TEST_ASSERT_TRUE(worst < 20 * sqrt(EPS));
 }
 
-/* The same cylinder in an image with noise, which makes half the pairs complex. */
+/* The same cylinder in an image with noise, which makes half of the pairs of solutions
+ * complex. */
 static void test_noise_does_not_take_a_double_solution_away(void)
 {
     test_rng rng = test_seed(3);
@@ -436,7 +437,7 @@ static void test_noise_does_not_take_a_double_solution_away(void)
             s.t[k] = -at[k];
         }
         observe(&s);
-        for (int i = 0; i < 3; i++) { /* a pixel in 800 */
+        for (int i = 0; i < 3; i++) { /* a pixel of 800 */
             for (int k = 0; k < 3; k++) {
                 s.ray[i][k] += test_normal(&rng) / 800;
             }
@@ -453,9 +454,9 @@ static void test_noise_does_not_take_a_double_solution_away(void)
 
 /* ---- nothing but, and all of them ---------------------------------------- */
 
-/* Poses that put the points on their rays, or the real part of a complex pair, which
- * may leave a hundredth of the square of the longest side: a tenth of it in a short
- * one, and more at the corner between two. */
+/* Each pose either puts the points on their rays, or is the real part of a complex pair.
+ * The latter may miss by a hundredth of the square of the longest side: a tenth of it for a
+ * short side, and more at the corner between two. */
 static void test_each_is_a_solution_or_nearly_one(void)
 {
     test_rng rng = test_seed(4);
@@ -508,12 +509,12 @@ static void test_it_finds_what_a_scan_finds(void)
     }
     TEST_ASSERT_LESS_THAN_INT(SCENES / TOL(20, 5), left_out);
     TEST_ASSERT_GREATER_THAN_INT(0, with[2]);
-    TEST_ASSERT_TRUE(with[4] > 0 || TEST_ONE_IN > 1); /* few scenes have four */
+    TEST_ASSERT_TRUE(with[4] > 0 || TEST_ONE_IN > 1); /* only a few scenes have four */
 }
 
-/* An equilateral triangle of side 1, the camera on its axis at the distance x = 2
- * from every corner: by the law of cosines, (x, x, x), and three times one corner
- * at x - 1 / x (Fischler and Bolles 1981). */
+/* An equilateral triangle of side 1 and a camera on its axis, at the distance x = 2 from
+ * every corner. The law of cosines gives (x, x, x), and three solutions with one corner at
+ * x - 1 / x (Fischler and Bolles 1981). */
 static void test_a_case_from_paper(void)
 {
     const double radius = 1 / sqrt(3), height = sqrt(4 - radius * radius);
@@ -553,7 +554,7 @@ static void test_a_case_from_paper(void)
 
 /* ---- symmetry ------------------------------------------------------------ */
 
-/* Corners of a square seen head-on and from the side: determinants that vanish. */
+/* Corners of a square seen head-on and from the side, where determinants vanish. */
 static void test_half_a_square_seen_head_on_or_aslant(void)
 {
     static const double CORNER[3][3] = {{-0.5, -0.5, 0}, {0.5, -0.5, 0}, {0.5, 0.5, 0}};
@@ -578,7 +579,7 @@ static void test_half_a_square_seen_head_on_or_aslant(void)
     }
 }
 
-/* Units, origin and order of the points change nothing. */
+/* Units, origin and order of the points have no effect. */
 static void test_units_origin_and_order_do_not_matter(void)
 {
     static const int ORDER[6][3] = {{0, 1, 2}, {0, 2, 1}, {1, 0, 2},
@@ -621,7 +622,7 @@ static void test_units_origin_and_order_do_not_matter(void)
     }
 }
 
-/* A fisheye sees behind itself. */
+/* The camera is a fisheye that sees behind itself. */
 static void test_rays_may_point_anywhere(void)
 {
     test_rng rng = test_seed(7);
@@ -656,7 +657,7 @@ static void test_points_on_a_line_or_together_have_none(void)
         scene s;
 
         random_scene(&s, &rng);
-        for (int k = 0; k < 3; k++) { /* rounded, at times far from the origin */
+        for (int k = 0; k < 3; k++) { /* rounded; in some trials far from the origin */
             s.X[1][k] = D(RC(s.X[1][k] + 100 * (n % 2)));
             s.X[0][k] = D(RC(s.X[0][k] + 100 * (n % 2)));
             s.X[2][k] = s.X[0][k] + 0.37 * (s.X[1][k] - s.X[0][k]);
@@ -684,7 +685,7 @@ static void test_rays_together_have_none(void)
     }
 }
 
-/* Never a NaN, never a triangle bent to rays that it does not fit. */
+/* Never a NaN, and never a pose of a triangle that does not fit its rays. */
 static void test_anything_else_gives_poses_or_none(void)
 {
     static const double ODD[6] = {0, 1, -1, 1e-3, 0.5, 2};
@@ -739,8 +740,8 @@ static void make_unit(scene *s)
     }
 }
 
-/* Rays nearly on one line, to both sides of the centre, and points close together, all by
- * powers of 2. */
+/* The rays are nearly on one line, on both sides of the centre, and the points are close
+ * together. All numbers are powers of 2. */
 static void nearly_on_a_line(scene *s, test_rng *rng)
 {
     const int most = RIGCAL_USE_FLOAT ? 20 : 48;
@@ -785,8 +786,8 @@ static void assert_poses_or_none(scene *s)
     }
 }
 
-/* Here rounding decides: a root is threefold or takes many steps, a solution is 0, has no
- * length, or its points are on a line. The seeds that are named are such cases. */
+/* Here rounding decides. A root is threefold, or takes many steps; a solution is 0, has no
+ * length, or has points on a line. The seeds below are such cases. */
 static void test_rays_that_hardly_differ_give_poses_or_none(void)
 {
     static const uint64_t ON_A_LINE[] = {1104, 1141, 1476, 7471, 43456, 148206};

@@ -1,6 +1,6 @@
-/* p3p on real cameras: every group of examples/data/SET/reference_p3p.csv, all
- * solutions from three points of an image, found by OpenCV and random starts. Reads
- * files, so it runs on a host only. */
+/* p3p on real cameras: every group of examples/data/SET/reference_p3p.csv. The reference
+ * has all solutions from three points of an image, found by OpenCV and from random starts.
+ * It reads files, so it runs only on a host. */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -10,7 +10,7 @@
 
 enum { LINE = 1024, NAME = 32 };
 
-/* One of a set's files, past its header. */
+/* Opens a file of a set and skips its header. */
 static FILE *open_data(const char *set, const char *file)
 {
     char path[LINE], header[LINE];
@@ -102,7 +102,7 @@ static void solve(triple *T, const char *set, const reference *r)
     T->count = rc_p3p(T->found, (const rigcal_real(*)[3])x, (const rigcal_real(*)[3])ray);
 }
 
-/* Poses that put every point on its pixel. */
+/* The number of poses that put every point on its pixel. */
 static int exact_ones(const triple *T)
 {
     int count = 0;
@@ -123,8 +123,8 @@ static int exact_ones(const triple *T)
     return count;
 }
 
-/* The largest distance of a point from where the reference puts it, over that
- * point's distance: of the nearest of the poses. */
+/* The error of the pose that is nearest to the reference: the largest distance of a point
+ * from its reference place, over that point's distance. */
 static double nearest(const triple *T, const reference *r)
 {
     double least = 1e300;

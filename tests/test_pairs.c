@@ -78,7 +78,7 @@ static void test_a_pair_of_one_point_or_one_ray_carries_no_equation(void)
     rigcal_pair pair;
 
     ASSERT_REFUSED(RIGCAL_ERR_COINCIDENT, pair, rigcal_pair_make(&pair, s, 2, 0, 1));
-    /* One rounding apart is no direction either. */
+    /* Coordinates that differ by one rounding give no direction either. */
     s[1].X_w[0] = RC(1000 + TOL(1.2e-13, 6.2e-5));
     ASSERT_REFUSED(RIGCAL_ERR_COINCIDENT, pair, rigcal_pair_make(&pair, s, 2, 0, 1));
     s[1].X_w[0] = 1001;
@@ -150,7 +150,7 @@ static double image_size(const rigcal_bearing s[], int n)
     return most;
 }
 
-/* Each pair is the one of its indices, and none is there twice. */
+/* Each pair must be the one of its indices, and none may occur twice. */
 static void assert_pairs_sound(const rigcal_pair pairs[], size_t n_pairs,
                                const rigcal_bearing s[], int n)
 {
@@ -193,8 +193,8 @@ static void test_the_count_of_pairs_is_all_of_few_and_four_each_of_many(void)
     }
 }
 
-/* Up to nine points all pairs but those too close in the image. How exactly the
- * image of the target is measured is left to the library: a factor of two. */
+/* With up to nine points all pairs are used, except those too close in the image. The
+ * library may measure the image of the target in its own way, within a factor of two. */
 static void test_few_points_are_paired_all_but_where_rays_are_close(void)
 {
     test_rng rng = test_seed(32);
@@ -300,7 +300,7 @@ static void test_the_same_bearings_give_the_same_pairs(void)
     TEST_ASSERT_EQUAL_MEMORY(first, second, sizeof first);
 }
 
-/* Fewer pairs than wanted are still spread, and nothing is written beyond. */
+/* A smaller number of pairs is still spread out, and nothing is written beyond it. */
 static void test_a_small_buffer_holds_fewer_pairs_still_spread(void)
 {
     static const size_t capacities[5] = {3, 4, 7, 12, 30};
@@ -335,7 +335,7 @@ static void test_a_small_buffer_holds_fewer_pairs_still_spread(void)
     }
 }
 
-/* cond(A) of two pairs at the truth, the least of the three eliminations. */
+/* cond(A) of two pairs at the truth: the least of the three eliminations. */
 static double least_condition(const rigcal_pair pairs[3], const double ypr[3])
 {
     double least = 1e300;
@@ -352,9 +352,8 @@ static double least_condition(const rigcal_pair pairs[3], const double ypr[3])
     return least;
 }
 
-/* Which two are best depends on angles not yet known. Over many scenes those
- * put first must beat others clearly, and be far from singular in nearly
- * all. */
+/* The best two depend on angles that are not known yet. Over many scenes the first two must
+ * be clearly better than others, and far from singular in nearly all scenes. */
 static void test_the_first_two_pairs_are_well_conditioned(void)
 {
     enum { TRIALS = 200 };
@@ -402,7 +401,7 @@ static void test_repeated_bearings_are_never_paired_with_themselves(void)
         }
         test_bearings(s, &scene);
         ASSERT_STATUS(RIGCAL_OK, rigcal_pairs_choose(pairs, 120, &n_pairs, s, (size_t)n));
-        assert_pairs_sound(pairs, n_pairs, s, n); /* pair_make refuses those */
+        assert_pairs_sound(pairs, n_pairs, s, n); /* pair_make refuses these */
     }
 }
 
@@ -414,8 +413,8 @@ static void test_a_target_far_from_its_origin_is_paired_while_digits_last(void)
     rigcal_pair pairs[15];
     size_t n_pairs;
 
-    /* A board of a metre in map coordinates: nanometres in double, half a metre
-     * in float. */
+    /* A board of one metre in map coordinates. Rounding is nanometres in double, half a
+     * metre in float. */
     test_scene_random(&scene, &rng, 6, TEST_GENERAL);
     test_bearings(s, &scene);
     for (int i = 0; i < 6; i++) {
@@ -504,7 +503,7 @@ static void test_points_on_one_line_are_refused(void)
             assert_choice_refused(RIGCAL_ERR_COLLINEAR, s, (size_t)n);
         }
     }
-    /* A thousandth of its length off the line is no line. */
+    /* A point off the line by a thousandth of its length: this is no line. */
     s[3].X_w[2] += RC(0.01);
     {
         rigcal_pair pairs[15];
@@ -543,7 +542,7 @@ static void test_rays_in_one_plane_are_refused_however_near(void)
     assert_choice_refused(RIGCAL_ERR_EDGE_ON, s, 6);
 }
 
-/* A telephoto's bundle is narrow and no plane for it. */
+/* The rays of a telephoto lens form a narrow bundle, but not a plane. */
 static void test_a_narrow_bundle_of_rays_is_accepted(void)
 {
     rigcal_bearing s[6];
@@ -558,8 +557,8 @@ static void test_a_narrow_bundle_of_rays_is_accepted(void)
     ASSERT_STATUS(RIGCAL_OK, rigcal_pairs_choose(pairs, 15, &n_pairs, s, 6));
 }
 
-/* Points ever nearer to a line: whether they are taken for one does not
- * depend on the unit of length. */
+/* Points closer and closer to a line. Whether they count as a line must not depend on the
+ * unit of length. */
 static void test_the_unit_of_length_does_not_decide_what_is_a_line(void)
 {
     rigcal_bearing good[6], s[6];
@@ -589,7 +588,7 @@ static void test_the_unit_of_length_does_not_decide_what_is_a_line(void)
             ASSERT_STATUS(RIGCAL_OK, of_unit[1]);
         }
     }
-    TEST_ASSERT_TRUE(lines >= 2); /* at the latest 1e-9 of the length */
+    TEST_ASSERT_TRUE(lines >= 2); /* at the latest at 1e-9 of the length */
 }
 
 static void test_arguments_of_the_choice_are_checked(void)
@@ -633,7 +632,8 @@ static void test_arguments_of_the_choice_are_checked(void)
     }
 }
 
-/* One point, seen in two places: one of both is wrong, and no pair is made of them. */
+/* One point is given twice, with two pixels. One of these is wrong, and no pair is made of
+ * the two. */
 static void test_a_point_seen_twice_is_not_paired_with_itself(void)
 {
     rigcal_bearing s[6];

@@ -1,13 +1,12 @@
-/* paper: where one camera is, against scenes whose pose is known, noise-free for
- * accuracy and noisy for what is reported of the answer. The objective, its
- * condition number and the errors in the image are computed again here, in
- * doubles, from the formulas of EQUATIONS.md.
+/* paper: the pose of one camera, compared with scenes whose pose is known: without noise
+ * for the accuracy, with noise for what is reported about the answer. The objective, its
+ * condition number and the errors in the image are computed again here, in doubles, from
+ * the formulas of EQUATIONS.md.
  *
- * The method is a local search over an objective with kinks, so that a share
- * of all starts ends elsewhere. The shares asked for below are a few percent
- * under those measured over 500 scenes a kind; what is never allowed is a
- * pose that is reported and false: points behind, or an error in the image
- * other than told. */
+ * The method is a local search over an objective with kinks, so a share of all starts ends
+ * at a wrong place. The shares required below are a few percent below those measured with
+ * 500 scenes of each kind. A false report is never allowed: points behind the camera, or a
+ * wrong error in the image. */
 #include <math.h>
 #include <string.h>
 
@@ -29,7 +28,7 @@ static rigcal_bearing bearings[N_MAX];
 static rigcal_pair pairs[PAIRS_MAX];
 static size_t n_pairs;
 
-/* Sightings and pairs of a scene. */
+/* Computes bearings and pairs of a scene. */
 static void see(const test_scene *scene)
 {
     const size_t n = (size_t)scene->n;
@@ -39,7 +38,7 @@ static void see(const test_scene *scene)
                   rigcal_pairs_choose(pairs, rigcal_pairs_for(n), &n_pairs, bearings, n));
 }
 
-/* Fresh noise, `sigma` of each normalised coordinate. */
+/* Adds new noise with standard deviation `sigma` to each normalised coordinate. */
 static void add_noise(test_scene *scene, test_rng *rng, double sigma)
 {
     for (int i = 0; i < scene->n; i++) {
@@ -48,7 +47,7 @@ static void add_noise(test_scene *scene, test_rng *rng, double sigma)
     }
 }
 
-/* A scene away from the gimbal lock of the angles that are searched. */
+/* A random scene that is not near the gimbal lock of the searched angles. */
 static void scene_random(test_scene *scene, test_rng *rng, int n, test_shape shape)
 {
     do {
@@ -67,7 +66,7 @@ static rigcal_paper_options options_of(int angles, int eliminate, int pairs_used
     return o;
 }
 
-/* The true angles, each off by up to `degrees`. */
+/* A guess: the true angles, each wrong by up to `degrees`. */
 static void guess_near(rigcal_paper_options *o, const test_scene *scene, test_rng *rng,
                        double degrees)
 {
@@ -85,7 +84,7 @@ static rigcal_status solve(rigcal_paper_pose *pose, const test_scene *scene,
     return rigcal_paper_solve(pose, bearings, (size_t)scene->n, pairs, n_pairs, o);
 }
 
-/* Root mean square distance of normalised image points, and the least depth. */
+/* The rms distance of normalised image points, and the least depth. */
 static double image_error(double *least_depth, const test_scene *scene,
                           const rigcal_transform *cam_from_world)
 {
@@ -106,7 +105,7 @@ static double image_error(double *least_depth, const test_scene *scene,
     return sqrt(sum / scene->n);
 }
 
-/* Whether a pose is that of the scene. */
+/* Whether a pose is that of the scene, to the tolerances above. */
 static int is_right(const rigcal_transform *cam_from_world, const test_scene *scene)
 {
     double R[9], t[3], d[3];
@@ -119,8 +118,9 @@ static int is_right(const rigcal_transform *cam_from_world, const test_scene *sc
            test_norm(d) <= RIGHT_LENGTH * test_norm(scene->t);
 }
 
-/* What holds of every pose, right or not: a rotation, every point in front, the
- * error in the image as told, angles that are those of the rotation. */
+/* Checks what holds for every pose, right or not: it is a rotation, every point is in
+ * front, the error in the image is as reported, and the angles are those of the
+ * rotation. */
 static void assert_honest(const rigcal_paper_pose *pose, const test_scene *scene)
 {
     double R[9], ypr[3], again[9], depth, error;
@@ -137,8 +137,8 @@ static void assert_honest(const rigcal_paper_pose *pose, const test_scene *scene
 
 /* ---- the objective, computed again --------------------------------------- */
 
-/* p, q, k of (14): what is left of normal . R offset when two angles are fixed
- * and the third stays open. */
+/* p, q, k of (14): normal . R offset as a function of the third angle, with two angles
+ * fixed. */
 static void open_equation(double pqk[3], const rigcal_pair *pair, int eliminate,
                           const double ypr[3])
 {
@@ -176,7 +176,7 @@ typedef struct {
     double residual, condition;
 } objective;
 
-/* (14), (15), (13c) at the angles that are searched; or (5) with three. */
+/* (14), (15) at the searched angles; with three angles (5). */
 static objective objective_at(const rigcal_paper_options *o, int eliminate,
                               const double ypr[3])
 {
@@ -228,8 +228,8 @@ static objective objective_at(const rigcal_paper_options *o, int eliminate,
 
 /* ---- accuracy ------------------------------------------------------------ */
 
-/* Corners of a crooked box before a camera that is turned by 25, -35 and 25
- * degrees: nothing here is special. */
+/* Corners of an irregular box before a camera that is turned by 25, -35 and 25 degrees.
+ * Nothing here is special. */
 static void box_scene(test_scene *scene, int n)
 {
     static const double at[3] = {0.3, -0.2, 4.5};
@@ -243,7 +243,7 @@ static void box_scene(test_scene *scene, int n)
     test_rotation(scene->R, scene->ypr[0], scene->ypr[1], scene->ypr[2]);
     memcpy(scene->t, at, sizeof at);
     for (int i = 0; i < n; i++) {
-        /* Corners, so ordered that the first four are not in one plane. */
+        /* Corners in an order in which the first four are not in one plane. */
         static const int corner[8] = {0, 3, 5, 6, 1, 2, 4, 7};
         const int c = corner[i % 8];
 
@@ -254,7 +254,7 @@ static void box_scene(test_scene *scene, int n)
     }
 }
 
-/* From each of the 26 places on a cube of `degrees` around the truth. */
+/* Starts from each of the 26 places on a cube of `degrees` around the truth. */
 static void assert_right_from_all_sides(const test_scene *scene, rigcal_paper_options *o,
                                         double degrees)
 {
@@ -262,7 +262,8 @@ static void assert_right_from_all_sides(const test_scene *scene, rigcal_paper_op
 
     see(scene);
     o->use_guess = 1;
-    /* Emulated: every fifth of them, which are to either side in each angle. */
+    /* An emulated target takes every fifth place. These are on either side in each
+     * angle. */
     for (int side = 0; side < 27; side += (TEST_ONE_IN > 1) ? 5 : 1) {
         rigcal_paper_pose pose;
 
@@ -299,7 +300,7 @@ static void test_a_box_is_found_from_all_sides_whichever_angle_is_eliminated(voi
     }
 }
 
-/* Without yaw the mirror solution is nearer, as it is without depth: seven
+/* If yaw is eliminated, the mirror solution is nearer, as there is no depth: seven
  * degrees. */
 static void test_a_box_is_found_from_ten_degrees_off_by_all_pairs(void)
 {
@@ -327,7 +328,7 @@ static void test_a_box_is_found_over_three_angles_from_a_near_guess(void)
     }
 }
 
-/* Percent of random scenes in which a mode finds the pose from a guess. */
+/* The percentage of random scenes in which a mode finds the pose from a guess. */
 static double percent_found(const rigcal_paper_options *mode, int n, test_shape shape,
                             double degrees, uint64_t seed)
 {
@@ -360,7 +361,7 @@ static double percent_found(const rigcal_paper_options *mode, int n, test_shape 
 static void test_random_scenes_are_found_from_a_guess_five_degrees_off(void)
 {
     static const int ns[] = {4, 6, 8, 20, 50};
-    /* Percent, over general and planar scenes of all n: least accepted. */
+    /* The least percentages that are accepted, over general and planar scenes of all n. */
     static const double floors[9] = {93, 95, 97, 97, 84, 92, 94, 95, 94};
 
     TEST_ON_HOST_ONLY("a rate wants all scenes");
@@ -377,7 +378,7 @@ static void test_random_scenes_are_found_from_a_guess_five_degrees_off(void)
     }
 }
 
-/* Three points have up to four poses: the one near the guess. */
+/* Three points have up to four poses. The one near the guess is wanted. */
 static void test_three_points_are_found_from_a_guess_two_degrees_off(void)
 {
     for (int pairs_used = 0; pairs_used <= 2; pairs_used += 2) {
@@ -472,7 +473,7 @@ static void test_residual_and_condition_are_those_of_the_answer(void)
         if (o.angles == 2) {
             ASSERT_NEAR(at.condition, pose.condition, TOL(1e-9, 1e-3) * at.condition);
         }
-        /* And no worse than at the truth, from which the search was near. */
+        /* The objective is no worse than at the truth, near which the search started. */
         truth = objective_at(&o, pose.eliminated, scene.ypr);
         TEST_ASSERT_TRUE(at.residual <= truth.residual * TOL(1, 1.05) ||
                          !is_right(&pose.cam_from_world, &scene));
@@ -626,7 +627,7 @@ static void test_looser_tolerances_end_sooner(void)
 
 /* ---- in front of the camera ---------------------------------------------- */
 
-/* A plane target turned half about its normal fulfils every equation, with the
+/* A plane target turned by half a turn about its normal fulfils every equation, with the
  * camera on the other side. */
 static void test_the_mirror_solution_is_told_and_never_returned(void)
 {
@@ -737,7 +738,7 @@ static void test_the_same_bits_come_out_whatever_the_budgets(void)
             ASSERT_STATUS(expected, rigcal_paper_result(&pose, &solver));
             TEST_ASSERT_EQUAL_MEMORY(&whole, &pose, sizeof pose);
             if (budgets[b] == 1) {
-                /* The end of every start is judged, and of three angles one chosen. */
+                /* The end of every start is judged, and with three angles one is chosen. */
                 units = pose.evals + (trial % 4 >= 2 ? 1 : 24 + 3 + 1);
                 TEST_ASSERT_EQUAL_INT32(units, calls);
             } else if (budgets[b] == 7) {
@@ -767,7 +768,7 @@ static void test_a_solver_copied_halfway_goes_on_the_same(void)
     ASSERT_STATUS(RIGCAL_OK, rigcal_paper_result(&one, &solver));
     ASSERT_STATUS(RIGCAL_OK, rigcal_paper_result(&two, &copy));
     TEST_ASSERT_EQUAL_MEMORY(&one, &two, sizeof one);
-    /* And a solver that is done stays so. */
+    /* A solver that has ended remains so. */
     ASSERT_STATUS(RIGCAL_OK, rigcal_paper_step(&solver, 1));
     ASSERT_STATUS(RIGCAL_OK, rigcal_paper_result(&two, &solver));
     TEST_ASSERT_EQUAL_MEMORY(&one, &two, sizeof one);
@@ -827,7 +828,7 @@ static void test_without_a_guess_the_evaluations_stay_within_their_bound(void)
 
 /* ---- invariances --------------------------------------------------------- */
 
-/* Another unit of length and another origin change t, and nothing else. */
+/* Another unit of length and another origin change t, but nothing else. */
 static void test_unit_and_origin_of_the_target_do_not_matter(void)
 {
     static const double scales[3] = {1, 1024, 1e-3};
@@ -922,7 +923,7 @@ static double pixel_rms(const test_scene *scene, const rigcal_camera *camera,
     return sqrt(sum / scene->n);
 }
 
-/* As a caller would: rays, pairs, pose. */
+/* Solves as a caller does: rays, pairs, pose. */
 static rigcal_status solve_pixels(rigcal_transform *cam_from_world, int32_t *at_fault,
                                   size_t capacity, const rigcal_camera *camera,
                                   const rigcal_observation observations[], size_t n)
@@ -1066,7 +1067,7 @@ static void test_targets_that_fix_no_pose_are_named(void)
     ASSERT_STATUS(RIGCAL_ERR_COLLINEAR, solve_points(&scene, 32));
 }
 
-/* Points of one plane through the camera's centre are seen on one line. */
+/* Points of a plane through the camera's centre have images on one line. */
 static void test_a_plane_seen_edge_on_is_named(void)
 {
     test_scene scene;
@@ -1108,12 +1109,12 @@ static void test_three_angles_are_not_searched_without_a_guess(void)
     see(&scene);
     ASSERT_REFUSED(RIGCAL_ERR_RANGE, pose, solve(&pose, &scene, &o));
     o = options_of(2, RIGCAL_YAW, 0);
-    o.max_evals = 191; /* less than the grid and one search */
+    o.max_evals = 191; /* less than the grid and one search take */
     ASSERT_REFUSED(RIGCAL_ERR_RANGE, pose, solve(&pose, &scene, &o));
 }
 
-/* A target and its mirror image give no rays in common: the best fit is far
- * off, or there is none. */
+/* A target and its mirror image have no rays in common: the best fit is far off, or there
+ * is none. */
 static void test_a_mirrored_target_does_not_fit(void)
 {
     test_rng rng = test_seed(81);
@@ -1155,8 +1156,8 @@ static void test_a_solver_with_a_phase_out_of_range_is_refused(void)
     ASSERT_STATUS(RIGCAL_ERR_STATE, rigcal_paper_step(&solver, 1));
 }
 
-/* One pair, three times, fixes no angle: whatever the others are, the equations are
- * singular. */
+/* One pair, given three times, fixes no angle: the equations are singular for all values of
+ * the other angles. */
 static void test_equations_that_are_singular_everywhere_give_no_pose(void)
 {
     rigcal_paper_options o = options_of(2, RIGCAL_BEST_CONDITIONED, 2);
@@ -1171,7 +1172,7 @@ static void test_equations_that_are_singular_everywhere_give_no_pose(void)
     o.use_guess = 1;
     ASSERT_REFUSED(RIGCAL_ERR_NO_POSE, pose,
                    rigcal_paper_solve(&pose, bearings, 8, pairs, 3, &o));
-    o.xtol = RC(TOL(1e-300, 1e-37)); /* about 0 never met: the simplex runs out */
+    o.xtol = RC(TOL(1e-300, 1e-37)); /* never reached near 0, so the evaluations run out */
     ASSERT_REFUSED(RIGCAL_ERR_NO_POSE, pose,
                    rigcal_paper_solve(&pose, bearings, 8, pairs, 3, &o));
 }

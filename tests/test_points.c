@@ -1,5 +1,5 @@
 /* points: which points count, what is wrong with them, where they are, and their errors,
- * against sums in double precision. */
+ * compared with sums in double precision. */
 #include <math.h>
 #include <string.h>
 
@@ -8,7 +8,7 @@
 
 enum { N = 6 };
 
-/* A view that owns what it points to. */
+/* A view that owns the arrays it points to. */
 typedef struct {
     rigcal_camera camera;
     rigcal_observation o[N];
@@ -69,8 +69,8 @@ static void test_a_view_is_checked_for_its_pointers_and_its_camera(void)
     ASSERT_STATUS(RIGCAL_ERR_NOT_FINITE, rc_check_view(&VIEW(&camera, o, NULL, 1)));
 }
 
-/* 8 units in the last place of the image's extent, squared, or so many pixels^2 without
- * one. */
+/* 8 units in the last place of the image's extent, squared, or that number of pixels^2 for
+ * an image without one. */
 static void test_what_is_negligible_grows_with_the_image_and_the_pixel(void)
 {
     const double eps = TOL(2.220446049250313e-16, 1.1920928955078125e-7);
@@ -107,8 +107,8 @@ static void test_a_mask_and_the_one_left_out_do_not_count(void)
 
 /* ---- the survey ---------------------------------------------------------------- */
 
-/* The weighted means of points and pixels, and the longest distance from the first that
- * counts. */
+/* Checks the weighted means of points and pixels, and the longest distance from the first
+ * point that counts. */
 static void assert_surveyed(const problem *p, const uint8_t mask[], int left_out,
                             int weighted)
 {
@@ -175,12 +175,12 @@ static void test_a_survey_knows_the_camera(void)
     p.camera.k1 = RC(0.1);
     ASSERT_STATUS(RIGCAL_OK, survey(&p, 0, NULL));
     TEST_ASSERT_FALSE(p.points.is_pinhole);
-    p.camera.fx = 1; /* normalised coordinates are no pixels */
+    p.camera.fx = 1; /* normalised coordinates are not pixels */
     ASSERT_STATUS(RIGCAL_OK, survey(&p, 0, NULL));
     TEST_ASSERT_TRUE(D(p.points.pixel_size) < 0.01);
 }
 
-/* The origin of a far world keeps the digits that its coordinates have. */
+/* For points far from their origin, the coordinates keep all the digits that they have. */
 static void test_a_far_world_costs_no_digits(void)
 {
     const double far = TOL(1e6, 256);
@@ -288,7 +288,7 @@ static void test_more_than_can_be_counted_are_refused_unread(void)
     TEST_ASSERT_EQUAL_INT32(-1, at_fault);
 }
 
-/* Coordinates whose rounding is a little less, and a little more, than 1e-4 of the size
+/* Coordinates whose rounding is slightly less, and slightly more, than 1e-4 of the size
  * 1. */
 static void test_points_in_one_place_or_too_far_for_their_size_are_refused(void)
 {
@@ -308,7 +308,8 @@ static void test_points_in_one_place_or_too_far_for_their_size_are_refused(void)
         }
         ASSERT_STATUS(step ? RIGCAL_ERR_PRECISION : RIGCAL_OK, survey(&moved, 0, NULL));
         TEST_ASSERT_EQUAL_INT32(-1, moved.at_fault);
-        TEST_ASSERT_EQUAL(N, moved.points.n_used); /* complete all the same */
+        TEST_ASSERT_EQUAL(N, moved.points.n_used); /* the survey is complete in spite of
+                                                      that */
     }
     for (int i = 1; i < N; i++) {
         memcpy(p.o[i].X_w, p.o[0].X_w, sizeof p.o[0].X_w);
@@ -319,7 +320,7 @@ static void test_points_in_one_place_or_too_far_for_their_size_are_refused(void)
 
 /* ---- one point ------------------------------------------------------------------ */
 
-/* Each point in the camera's frame, its error and distance; mirrored at the origin: -x. */
+/* Each point in the camera's frame, its error and distance. A mirrored point is -x. */
 static void test_a_point_and_its_error_are_those_of_the_pose(void)
 {
     test_rng rng = test_seed(78);
@@ -397,7 +398,8 @@ static void test_points_on_any_line_are_told_from_those_beside_it(void)
             way[k] = (k == trial % 4) ? 0 : test_uniform(&rng, -1, 1);
             from[k] = test_uniform(&rng, -3, 3);
             aside[k] =
-                (k == trial % 4) ? 1 : 0; /* across the way, if that has no part there */
+                (k == trial % 4) ? 1 : 0; /* across the direction, if that has no part
+                                             there */
         }
         if (trial % 4 == 3) {
             const double x_axis[3] = {1, 0, 0};
@@ -418,7 +420,7 @@ static void test_points_on_any_line_are_told_from_those_beside_it(void)
         ASSERT_STATUS(RIGCAL_OK, survey(&p, 0, NULL));
         TEST_ASSERT_FALSE(rc_points_are_on_line(&p.points));
 
-        ASSERT_STATUS(RIGCAL_OK, survey(&p, 0, MASK)); /* without the one beside it */
+        ASSERT_STATUS(RIGCAL_OK, survey(&p, 0, MASK)); /* without the point beside it */
         TEST_ASSERT_TRUE(rc_points_are_on_line(&p.points));
     }
 }

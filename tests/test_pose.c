@@ -1,6 +1,6 @@
-/* pose: one camera's pose from nothing but the observations. Against scenes whose
- * pose is known, and, where there is noise, against the minima that test_fit comes
- * to from the truth and from the pose mirrored in the line of sight. */
+/* pose: one camera's pose from the observations alone. It is compared with scenes whose
+ * pose is known. With noise it is compared with the minima that test_fit finds from the
+ * truth and from the pose mirrored in the line of sight. */
 #include <math.h>
 #include <string.h>
 
@@ -11,16 +11,16 @@
 #define RIGHT_ANGLE TOL(1e-6 * TEST_PI / 180, 0.1 * TEST_PI / 180)
 #define RIGHT_LENGTH TOL(1e-8, 3e-3)
 
-/* Units of a search of a target that is not wide, by a pinhole, and the rays of its
- * points. */
+/* Units that a search takes, for a target that is not wide, in a pinhole, with the rays of
+ * its points. */
 enum { UNITS_MAX = 900 + TEST_SCENE_MAX };
 
 static const double NOISE = 0.5; /* px */
 
 /* ---- what several tests need --------------------------------------------- */
 
-/* How far a transform is from the truth: angle, and length over the distance of the
- * target's first point. */
+/* The error of a transform: the angle, and the length over the distance of the target's
+ * first point. */
 static void errors(double *angle, double *length, const test_problem *p,
                    const rigcal_transform *cam_from_world)
 {
@@ -36,7 +36,7 @@ static void errors(double *angle, double *length, const test_problem *p,
     *length = test_norm(d) / test_norm(true_);
 }
 
-/* The first pose is the scene's. */
+/* Checks that the first pose is the scene's. */
 static void assert_right(const test_problem *p, double scale)
 {
     double angle, length;
@@ -46,7 +46,7 @@ static void assert_right(const test_problem *p, double scale)
     ASSERT_NEAR(0, length, scale * RIGHT_LENGTH);
 }
 
-/* EQUATIONS.md C: noise stated, or integrated out with at least 0.01 px of it. */
+/* EQUATIONS.md C: the noise is stated, or integrated out, with at least 0.01 px. */
 static double likelihood(int n, double sigma, double sse0, double sse)
 {
     const double least = (2 * n - 6) * 1e-4;
@@ -55,8 +55,8 @@ static double likelihood(int n, double sigma, double sse0, double sse)
                      : pow((sse0 + least) / (sse + least), n - 3);
 }
 
-/* Standard deviation of the first pose's rotation [rad], for the noise that is stated
- * or, where it is 0, what the error tells, but 0.25 px at least. */
+/* The standard deviation of the first pose's rotation [rad], for the stated noise or, if
+ * that is 0, for the noise by the error, at least 0.25 px. */
 static double turn_deviation(const test_problem *p, double sigma)
 {
     rigcal_pose_uncertainty u;
@@ -74,8 +74,8 @@ static double turn_deviation(const test_problem *p, double sigma)
                 D(u.rotation[2]) * D(u.rotation[2]));
 }
 
-/* What holds of all that is returned: rotations, every point in front, errors as
- * told, best first, probabilities that follow from them. */
+/* Checks what holds for all returned poses: rotations, every point in front, errors as
+ * reported, best first, and probabilities that follow from the errors. */
 static void assert_honest(const test_problem *p, const rigcal_pose_options *options)
 {
     const test_data data = test_data_of(p);
@@ -125,7 +125,7 @@ static void assert_honest(const test_problem *p, const rigcal_pose_options *opti
     }
 }
 
-/* Evaluations of a search to its end, one at a time. */
+/* Counts the units of a search until its end, one at a time. */
 static int count_evals(const test_problem *p, const rigcal_pose_options *options)
 {
     rigcal_pose_solver solver;
@@ -162,12 +162,12 @@ static void test_exact_scenes_give_their_pose(void)
         ambiguous += p.status == RIGCAL_AMBIGUOUS;
     }
     TEST_ASSERT_EQUAL_INT(0, wrong);
-    /* where the twin fits to hundredths of a pixel too */
+    /* the second pose fits to hundredths of a pixel as well */
     TEST_ASSERT_LESS_OR_EQUAL_INT(10, ambiguous);
 }
 
-/* A unit square or a grid exactly facing the camera: the tilt is at the point where
- * the two optima of a flat target meet. */
+/* A unit square or a grid that faces the camera exactly: there the two optima of a flat
+ * target meet. */
 static void test_a_square_exactly_from_the_front_is_solved(void)
 {
     for (int trial = 0; trial < TEST_TRIALS(200); trial++) {
@@ -196,7 +196,7 @@ static void test_a_square_exactly_from_the_front_is_solved(void)
     }
 }
 
-/* A strong barrel, a rational lens, and the others of the vectors. */
+/* A strong barrel, a rational lens, and the other lenses of the vectors. */
 static void test_any_lens_is_solved_end_to_end(void)
 {
     test_rng rng = test_seed(2);
@@ -213,7 +213,7 @@ static void test_any_lens_is_solved_end_to_end(void)
     }
 }
 
-/* The scene turned as a whole, 60 to 110 degrees off the axis of a fisheye. */
+/* The scene as a whole is turned to 60 to 110 degrees off the axis of a fisheye. */
 static void test_a_fisheye_sees_the_target_beyond_90_degrees(void)
 {
     test_rng rng = test_seed(3);
@@ -239,7 +239,7 @@ static void test_a_fisheye_sees_the_target_beyond_90_degrees(void)
     }
 }
 
-/* Coordinates on a grid that double holds exactly at that distance. */
+/* Coordinates on a grid that double represents exactly at that distance. */
 static void test_a_national_grid_costs_double_nothing_and_float_refuses_it(void)
 {
     static const double offset[3] = {300000, 5154500, 2048};
@@ -286,8 +286,8 @@ static void test_a_national_grid_costs_double_nothing_and_float_refuses_it(void)
 
 /* ---- noise --------------------------------------------------------------- */
 
-/* Both minima that test_fit comes to. The second's sse is 1e300 where there is
- * none, or it is the same. */
+/* Finds both minima by test_fit. The second has sse 1e300 if there is none, or if it is the
+ * same. */
 static void fit_both(test_fitted both[2], const test_problem *p)
 {
     const test_data data = test_data_of(p);
@@ -314,8 +314,8 @@ static int has_pose(const test_problem *p, const test_fitted *fitted)
     return 0;
 }
 
-/* Of `trials` noisy scenes, those whose first pose is not the best minimum known,
- * and of flat ones those that lack the second, although it is one that matters. */
+/* Counts, of `trials` noisy scenes, those whose first pose is not the best known minimum,
+ * and flat ones in which the second minimum is missing although it matters. */
 typedef struct {
     int missed, lacking, ambiguous, both;
 } tally;
@@ -387,7 +387,8 @@ static void test_planar_targets_with_noise_give_both_minima(void)
     }
 }
 
-/* Two pixels, as a tag of 20 to 70 pixels at half a pixel: now both matter. */
+/* Noise of two pixels, as for a tag of 20 to 70 pixels with half a pixel: now both minima
+ * matter. */
 static void test_squares_with_noise_give_both_minima(void)
 {
     const tally t = tally_scenes(40, TEST_TRIALS(500), 4, TEST_SQUARE, 4 * NOISE);
@@ -398,9 +399,9 @@ static void test_squares_with_noise_give_both_minima(void)
     TEST_ASSERT_GREATER_THAN_INT_MESSAGE(TEST_TRIALS(20), t.ambiguous, "ambiguous");
 }
 
-/* test_fit gains nothing from any pose returned and ends in no two at the same. In
- * the valley where two optima are about to meet refinement may stop early, in float
- * above all: measured, 3 in 10 000 scenes, 40 in float. */
+/* test_fit gains nothing from any returned pose, and no two poses lie in one minimum. In
+ * the valley where two optima are about to meet, the refinement may stop early, above all
+ * in float. Measured: 3 in 10 000 scenes; in float 40. */
 static void test_what_is_returned_are_minima_and_no_two_the_same(void)
 {
     test_rng rng = test_seed(42);
@@ -429,7 +430,7 @@ static void test_what_is_returned_are_minima_and_no_two_the_same(void)
     TEST_ASSERT_LESS_OR_EQUAL_INT(TOL(3, 15), same);
 }
 
-/* The first pose is right about as often as it is said to be. */
+/* The first pose is right about as often as its probability says. */
 static void test_probabilities_are_what_they_say(void)
 {
     const rigcal_pose_options options = test_options(4 * NOISE);
@@ -451,7 +452,7 @@ static void test_probabilities_are_what_they_say(void)
         }
         fit_both(fitted, &p);
         if (test_angle_between(fitted[0].R, fitted[1].R) < 0.2) {
-            continue; /* which of two so near is right has no answer */
+            continue; /* they are so close that neither is wrong */
         }
         q = D(p.poses[0].probability);
         expected += q;
@@ -477,7 +478,7 @@ static void test_swapped_points_are_a_poor_fit_when_the_noise_is_stated(void)
 
         test_random_problem(&p, &rng, 8, (test_shape)(trial % 3));
         test_add_noise(&p, &rng, NOISE);
-        for (int i = 0; i < 8; i++) { /* the two farthest from each other */
+        for (int i = 0; i < 8; i++) { /* the two points that are farthest apart */
             for (int j = 0; j < i; j++) {
                 const double apart = hypot(D(p.o[i].uv[0]) - D(p.o[j].uv[0]),
                                            D(p.o[i].uv[1]) - D(p.o[j].uv[1]));
@@ -501,8 +502,8 @@ static void test_swapped_points_are_a_poor_fit_when_the_noise_is_stated(void)
     }
 }
 
-/* Near by: from afar a mirrored target looks like the target seen from its back, to
- * within the noise in one of six scenes at 7 to 10 sizes. */
+/* Near the camera. From afar, at 7 to 10 sizes, a mirrored target looks like the target
+ * seen from its back, to within the noise, in one of six scenes. */
 static void test_mirrored_coordinates_are_never_ok(void)
 {
     const rigcal_pose_options options = test_options(NOISE);
@@ -527,8 +528,8 @@ static void test_mirrored_coordinates_are_never_ok(void)
     }
 }
 
-/* With no noise stated, far or near: mirrored points give themselves away by fitting
- * much better than those handed in. */
+/* Without stated noise, far or near: mirrored points fit much better than the given ones,
+ * and so show the mistake. */
 static void test_mirrored_points_are_seldom_taken_for_right(void)
 {
     static const int counts[2] = {6, 8};
@@ -550,7 +551,7 @@ static void test_mirrored_points_are_seldom_taken_for_right(void)
     }
 }
 
-/* Right ones with as much noise are not suspected. */
+/* Right points with as much noise are not suspected. */
 static void test_right_points_are_not_taken_for_mirrored(void)
 {
     test_rng rng = test_seed(54);
@@ -566,7 +567,8 @@ static void test_right_points_are_not_taken_for_mirrored(void)
     TEST_ASSERT_LESS_OR_EQUAL_INT(3, suspected);
 }
 
-/* Four points of which two are one are three points: all their poses. */
+/* Four points, two of which are the same, count as three points: all their poses are
+ * returned. */
 static void test_points_given_twice_are_one(void)
 {
     test_rng rng = test_seed(55);
@@ -592,7 +594,8 @@ static void test_points_given_twice_are_one(void)
     TEST_ASSERT_LESS_OR_EQUAL_INT(TOL(0, 5), lacking);
 }
 
-/* Three points nearly on a line, with noise: whatever comes out, it is not sure. */
+/* Three points nearly on a line, with noise: whatever the result, it is not called
+ * certain. */
 static void test_a_rotation_that_is_all_but_open_is_not_ok(void)
 {
     test_rng rng = test_seed(56);
@@ -618,7 +621,8 @@ static void test_a_rotation_that_is_all_but_open_is_not_ok(void)
     }
 }
 
-/* One pose in a thousand honest ones at most, and 1e-6 is asked for. */
+/* At most one in a thousand right poses may be called poor. The limit is for one in a
+ * million. */
 static void test_honest_noise_is_not_a_poor_fit(void)
 {
     const rigcal_pose_options options = test_options(NOISE);
@@ -634,8 +638,8 @@ static void test_honest_noise_is_not_a_poor_fit(void)
     }
 }
 
-/* Half of the points ten times as noisy: told so, the solver is the better for it,
- * and errors count by their sigma. */
+/* Half of the points have ten times the noise. With their sigma the solver is more
+ * accurate, and errors count by their sigma. */
 static void test_sigma_of_single_points_is_heeded(void)
 {
     const rigcal_pose_options options = test_options(0.3);
@@ -701,7 +705,7 @@ static void test_the_same_bits_come_out_whatever_the_budgets(void)
                 ASSERT_STATUS(
                     RIGCAL_ERR_STATE,
                     rigcal_pose_result(poses, RIGCAL_POSES_MAX, &n_found, NULL, &solver));
-                if (steps % 5 == 0) { /* copied halfway, it goes on the same */
+                if (steps % 5 == 0) { /* copied halfway, it continues in the same way */
                     copy = solver;
                     FILL(solver);
                     solver = copy;
@@ -726,7 +730,7 @@ static void test_evaluations_are_few_and_bounded(void)
         test_problem p;
 
         test_random_problem(&p, &rng, 4 + trial % 8, (test_shape)(trial % 3));
-        test_add_noise(&p, &rng, trial % 4 ? NOISE : 100); /* nonsense too */
+        test_add_noise(&p, &rng, trial % 4 ? NOISE : 100); /* some scenes are nonsense */
         sum += count_evals(&p, NULL);
     }
     TEST_ASSERT_LESS_THAN_INT(90, (int)(sum / TEST_TRIALS(400))); /* "usually 50 to 70" */
@@ -770,7 +774,7 @@ static void test_a_warm_start_gives_the_same_minimum_sooner(void)
         assert_honest(&q, &options);
         TEST_ASSERT_EQUAL_UINT(1, q.n_found); /* "only the optimum near it" */
         ASSERT_NEAR(p.poses[0].sse, q.poses[0].sse, TOL(1e-6, 2e-2) * D(p.poses[0].sse));
-        if (p.scene.n > 8) { /* fewer start from exact poses, which is soon too */
+        if (p.scene.n > 8) { /* up to 8 points start from exact poses, which is fast too */
             cold += count_evals(&p, NULL);
             warm += count_evals(&q, &options);
         }
@@ -817,8 +821,8 @@ static void test_a_wrong_start_falls_back_to_the_whole_search(void)
         ASSERT_UNTOUCHED((p)->n_found); \
     } while (0)
 
-/* Noise-free, the truth is among the poses of three points, and nothing tells which it
- * is. All fit exactly, but where two of them have all but merged into none. */
+/* Without noise, the truth is among the poses of three points, and nothing shows which one
+ * it is. All fit exactly, except where two of them have almost merged. */
 static void test_three_points_give_all_their_poses(void)
 {
     enum { TRIALS = TEST_TRIALS(2000) };
@@ -853,7 +857,7 @@ static void test_three_points_give_all_their_poses(void)
     TEST_ASSERT_TRUE(inexact < TRIALS / 20);
 }
 
-/* Two poses of three points that noise has made complex are one minimum. */
+/* Two poses of three points that noise made complex give one minimum. */
 static void test_three_noisy_points_are_solved(void)
 {
     const rigcal_pose_options options = test_options(0.5);
@@ -903,7 +907,7 @@ static void test_targets_that_fix_no_pose_are_named(void)
             p.o[i] = p.o[0];
         }
         ASSERT_BEGIN_REFUSED(RIGCAL_ERR_COINCIDENT, &p, (size_t)n);
-        /* one pixel for all, though the points differ */
+        /* all pixels are equal, although the points differ */
         test_random_problem(&p, &rng, n, TEST_GENERAL);
         for (int i = 1; i < n; i++) {
             memcpy(p.o[i].uv, p.o[0].uv, sizeof p.o[0].uv);
@@ -912,9 +916,9 @@ static void test_targets_that_fix_no_pose_are_named(void)
     }
 }
 
-/* Points and camera in one plane: their image is a line, which leaves the side from
- * which the plane is seen to the last of the noise, and the rest is as well known as
- * ever. A refusal by name would do as well. */
+/* The points and the camera are in one plane, so their image is a line. Only the last
+ * digits of the noise show from which side the plane is seen; the rest is known as well as
+ * usual. A refusal with a matching status would be right too. */
 static void test_a_plane_seen_edge_on_is_refused_or_right(void)
 {
     const rigcal_pose_options options = test_options(NOISE);
@@ -992,19 +996,19 @@ static void test_the_observation_at_fault_is_told(void)
         rigcal_pose_begin(&solver, &at_fault, &VIEW(&p.camera, p.o, sigma, 6), NULL));
     TEST_ASSERT_EQUAL_INT(5, at_fault);
     sigma[5] = 1;
-    p.camera = test_camera(CAMERA[1]); /* a barrel images nothing so far out */
+    p.camera = test_camera(CAMERA[1]); /* a barrel lens has no image so far out */
     test_observe(&p);
     p.o[2].uv[0] = 20000;
     at_fault = -2;
     ASSERT_STATUS(RIGCAL_OK,
                   rigcal_pose_begin(&solver, &at_fault, &VIEW(&p.camera, p.o, NULL, 6),
-                                    NULL)); /* rays are for the steps */
+                                    NULL)); /* the steps check the rays */
     TEST_ASSERT_EQUAL_INT(-1, at_fault);
     ASSERT_STATUS(RIGCAL_OK, rigcal_pose_step(&solver, 300));
     ASSERT_STATUS(RIGCAL_UNSEEN_POINT,
                   rigcal_pose_result(p.poses, 1, &p.n_found, &at_fault, &solver));
     TEST_ASSERT_EQUAL_INT(2, at_fault);
-    at_fault = -2; /* nor is a start that proves at_fault a way round them */
+    at_fault = -2; /* nor is a start a way to avoid them */
     o.use_start = 1;
     p.scene.t[0] += 2;
     o.start = test_transform(p.scene.R, p.scene.t);
@@ -1058,12 +1062,12 @@ static void test_arguments_are_checked(void)
     ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_pose_result(NULL, 1, &p.n_found, NULL, &solver));
     ASSERT_STATUS(RIGCAL_ERR_RANGE,
                   rigcal_pose_result(p.poses, 0, &p.n_found, NULL, &solver));
-    p.o[0].uv[0] = TEST_NAN; /* what fails to begin has not begun */
+    p.o[0].uv[0] = TEST_NAN; /* a solver whose begin failed has not begun */
     ASSERT_STATUS(RIGCAL_ERR_NOT_FINITE,
                   rigcal_pose_begin(&solver, NULL, &VIEW(&p.camera, p.o, NULL, n), NULL));
 }
 
-/* With room for one, the best one, and its status and probability as they were. */
+/* With room for one pose it returns the best one, with the same status and probability. */
 static void test_room_for_one_pose_gives_the_first(void)
 {
     test_rng rng = test_seed(95);
@@ -1085,7 +1089,7 @@ static void test_room_for_one_pose_gives_the_first(void)
     }
 }
 
-/* Memory that a search never leaves so. */
+/* Contents of memory that a search never leaves. */
 static void test_a_solver_with_a_field_out_of_range_is_refused(void)
 {
     test_rng rng = test_seed(62);
@@ -1111,9 +1115,9 @@ static void test_a_solver_with_a_field_out_of_range_is_refused(void)
     }
 }
 
-/* The middle of the target is seen twice, far off to either side: against that sum of
- * squares all else is nothing, and the first step is the last one. From three times the
- * distance it goes behind the camera. That is no pose. */
+/* The middle of the target is seen twice, far off on either side. Against that sum of
+ * squares nothing else counts, so the search ends after its first step. If it starts at
+ * three times the distance, the step leads behind the camera. That is no pose. */
 static void test_a_start_whose_last_step_leads_behind_is_dropped(void)
 {
     rigcal_pose_options options = test_options(0);
@@ -1151,7 +1155,7 @@ static void test_a_start_whose_last_step_leads_behind_is_dropped(void)
     }
 }
 
-/* A scene of which three pixels in ten are anywhere. */
+/* A scene in which three of ten pixels are random. */
 static void garbled(test_problem *p, test_rng *rng)
 {
     const int n = 4 + (int)(test_next(rng) % 5);
@@ -1165,9 +1169,9 @@ static void garbled(test_problem *p, test_rng *rng)
     }
 }
 
-/* Whatever the pixels: the poses are those that the header promises, or none. Of the first
- * seed no pose of three points is the start of one that is seen; of the second a search
- * ends in a saddle. */
+/* Whatever the pixels are, the poses are as the header promises, or there are none. With
+ * the first seed no pose of three points leads to a pose that the lens sees. With the
+ * second a search ends on a saddle. */
 static void test_garbled_pixels_give_honest_poses_or_none(void)
 {
     const rigcal_pose_options options = test_options(0);

@@ -4,7 +4,7 @@
 
 #include "test_bands.h"
 
-/* Pixel of a direction, seen by the virtual camera after a turn. */
+/* The pixel of a direction in the virtual camera, after a turn. */
 static void aligned_pixel(double uv[2], const rigcal_rectified *r,
                           const rigcal_real turn[9], const double ray[3])
 {
@@ -73,7 +73,7 @@ static rigcal_transform stereo(double x, double y, double z)
     return test_transform(NULL, t);
 }
 
-/* b beside a: nothing is to be turned. */
+/* Camera b is beside a: nothing needs to be turned. */
 static void test_an_aligned_pair_stays(void)
 {
     static const double same[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
@@ -107,8 +107,8 @@ static void test_a_pair_without_rows_is_refused(void)
     ASSERT_REFUSED(RIGCAL_ERR_WIDE_RAY, r, rigcal_rectify(&r, &camera, &camera, &aside));
 }
 
-/* The middle of b's image is nearly along the baseline, far off what a's focal length
- * leaves of an image: its place is beyond all pixels. */
+/* The middle of b's image is nearly along the baseline, far outside an image with a's focal
+ * length: its place is beyond the range of pixels. */
 static void test_an_image_that_is_beyond_all_pixels_is_refused(void)
 {
     const rigcal_transform beside = stereo(0.3, 0, 0);

@@ -1,5 +1,5 @@
-/* refine: the equations against differences of the projection and against the oracle's,
- * Levenberg-Marquardt against the minima that SciPy finds. */
+/* refine: equations compared with differences of the projection and with the oracle's;
+ * Levenberg-Marquardt compared with minima that SciPy finds. */
 #include <math.h>
 #include <string.h>
 
@@ -15,7 +15,7 @@ static const double ZERO[3] = {0, 0, 0};
 
 /* ---- what several tests need --------------------------------------------- */
 
-/* Normalised coordinates for pixels. */
+/* A camera whose pixels are normalised coordinates. */
 static rigcal_camera unit_camera(void)
 {
     rigcal_camera camera = {0};
@@ -25,7 +25,7 @@ static rigcal_camera unit_camera(void)
     return camera;
 }
 
-/* A problem that owns what its points point to. */
+/* A problem that owns the arrays of its points. */
 typedef struct {
     rigcal_camera camera;
     rigcal_observation o[N_MAX];
@@ -33,7 +33,7 @@ typedef struct {
     rigcal_points points;
 } problem;
 
-/* The points count from an origin of the test's choice. */
+/* Prepares the points, which count from an origin that the test chooses. */
 static void ready(problem *p, int n, int weighted, const double origin[3])
 {
     rigcal_real uv_middle[2];
@@ -51,7 +51,7 @@ static test_data data_of(const problem *p)
     return data;
 }
 
-/* First n points of a scene of the vectors, normalised. */
+/* The first n points of a scene of the vectors, normalised. */
 static void of_scene(problem *p, const double *scene, int n)
 {
     p->camera = unit_camera();
@@ -62,7 +62,7 @@ static void of_scene(problem *p, const double *scene, int n)
     ready(p, n, 0, ZERO);
 }
 
-/* A row of REFINE_LENS. Its points count from their middle. */
+/* A row of REFINE_LENS. Its points count from their mean. */
 static void of_lens(problem *p, const double *v)
 {
     const int n = (int)v[1];
@@ -97,7 +97,7 @@ static const double *covariance_of(const double *v)
     return minimum_of(v) + 13;
 }
 
-/* cam_from_points of a cam_from_world. */
+/* The cam_from_points of a cam_from_world. */
 static rigcal_transform from_points(const problem *p, const double R[9], const double t[3])
 {
     double origin[3], shifted[3];
@@ -129,7 +129,7 @@ static rigcal_transform start_pose(const problem *p, const double *v)
     return from_points(p, R, s + 3);
 }
 
-/* To the end; the number of evaluations. Never is the sum higher than it was. */
+/* Refines to the end. Returns the number of evaluations. The sum must never rise. */
 static int run(rigcal_refinement *state, const problem *p, const rigcal_transform *start)
 {
     int calls = 0;
@@ -191,8 +191,8 @@ static void test_equations_are_those_of_the_oracle(void)
     }
 }
 
-/* Newton's H is half the second derivative of the sum, which differences of the sum
- * itself tell, far from the minimum, where the curvature counts. */
+/* Newton's H is half the second derivative of the sum. Differences of the sum give it, far
+ * from the minimum, where the curvature matters. */
 static void test_newtons_equations_are_second_differences(void)
 {
     const double h = 2e-4;
@@ -243,7 +243,7 @@ static void test_newtons_equations_are_second_differences(void)
     }
 }
 
-/* Every lens, with and without sigma. */
+/* For every lens, with and without sigma. */
 static void test_equations_are_those_of_differences(void)
 {
     const double h = 1e-5;
@@ -327,7 +327,7 @@ static void test_a_point_that_the_camera_cannot_see_is_told(void)
 
 /* ---- Levenberg-Marquardt ------------------------------------------------- */
 
-/* Within `part` standard deviations of the golden minimum. */
+/* Checks that a pose is within `part` standard deviations of the golden minimum. */
 static void assert_at_minimum(const double minimum[13], const double covariance[21],
                               const double R[9], const double t[3], double sse,
                               double noise, double part)
@@ -363,7 +363,7 @@ static void test_the_minimum_is_that_of_scipy_for_any_lens_and_weights(void)
     }
 }
 
-/* In normalised coordinates, from 2 to 5 degrees off. */
+/* In normalised coordinates, from starts 2 to 5 degrees off. */
 static void test_the_minimum_is_that_of_the_oracle(void)
 {
     test_rng rng = test_seed(1);
@@ -390,11 +390,11 @@ static void test_the_minimum_is_that_of_the_oracle(void)
         test_product(R, turn, minimum);
         test_to_real(start.R, R, 9);
         (void)run(&state, &p, &start);
-        /* four points may lead to another minimum, or to a higher one */
+        /* four points may lead to another minimum, or to one with a larger sum */
         to_world(R, t, &p, &state.cam_from_points);
         if (v[1] > 4 || test_angle_between(R, minimum) < 0.01) {
             ASSERT_STATUS(RIGCAL_OK, state.search.status);
-            /* in these units float rounds as much as the noise */
+            /* in these units the rounding of float is as large as the noise */
             assert_at_minimum(minimum, v + 15, R, t, TOL(D(state.search.sum), minimum[12]),
                               noise, TOL(1e-2, 1));
         }
@@ -432,7 +432,7 @@ static void test_an_exact_image_is_fitted_to_rounding(void)
     }
 }
 
-/* Wherever it starts, it ends within the bound no worse than it started. */
+/* From any start it ends within the bound, with a sum no larger than at the start. */
 static void test_wild_starts_end_no_worse_than_they_began(void)
 {
     test_rng rng = test_seed(3);
@@ -465,7 +465,7 @@ static void test_wild_starts_end_no_worse_than_they_began(void)
             ended++;
             TEST_ASSERT_TRUE(D(state.search.sum) <= D(before));
             to_world(R, t, &p, &state.cam_from_points);
-            /* it may end where a point all but touches the camera */
+            /* it may end where a point nearly touches the camera */
             ASSERT_NEAR(test_sse(&data, R, t), state.search.sum,
                         TOL(1e-6, 1e-2) * D(state.search.sum) + TOL(1e-12, 1e-3));
         }
@@ -493,7 +493,7 @@ static void test_a_small_bound_is_kept_and_told(void)
     TEST_ASSERT_EQUAL_INT(2, calls);
 }
 
-/* One point with a hundred times the sigma, and that much off, hardly matters. */
+/* A point with a hundred times the sigma, and with that error, has almost no effect. */
 static void test_a_point_of_large_sigma_hardly_counts(void)
 {
     test_rng rng = test_seed(4);
@@ -533,7 +533,7 @@ static void test_the_covariance_is_the_inverse(void)
         problem p;
 
         of_lens(&p, v);
-        memset(p.points.origin, 0, sizeof p.points.origin); /* as the vectors have it */
+        memset(p.points.origin, 0, sizeof p.points.origin); /* as in the vectors */
         pose = test_transform(minimum_of(v), minimum_of(v) + 9);
         ASSERT_STATUS(RIGCAL_OK, equations(&sse, g, H, &p, &pose, RC_GAUSS_NEWTON));
         TEST_ASSERT_TRUE(rc_sym6_invert(Sigma, H));
@@ -546,8 +546,9 @@ static void test_the_covariance_is_the_inverse(void)
     }
 }
 
-/* Where the line is nearly square to an axis rounding may hide it, as 7 in 500 do:
- * then the deviation is beyond a radian for a pixel, which tells as much. */
+/* If the line is nearly at a right angle to an axis, rounding may hide it, as in 7 of 500
+ * scenes. Then the standard deviation is above one radian for a pixel, which says the
+ * same. */
 static void test_points_on_a_line_leave_the_equations_singular(void)
 {
     test_rng rng = test_seed(5);
@@ -582,8 +583,8 @@ static void test_points_on_a_line_leave_the_equations_singular(void)
 
 /* ---- starts from which nothing can be seen ------------------------------------ */
 
-/* Begins at an unturned pose, t before the camera. Its first step goes by a part of the
- * points, if there are enough. */
+/* Begins at a pose without rotation, with t in front of the camera. The first step uses a
+ * part of the points, if there are enough. */
 static void begin_at(rigcal_refinement *state, const problem *p, double t)
 {
     const double I[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1}, place[3] = {0, 0, t};
@@ -593,9 +594,9 @@ static void begin_at(rigcal_refinement *state, const problem *p, double t)
     rc_refine_begin_part(state, &p->points);
 }
 
-/* Of k4 = -1 the lens has a pole 45 degrees off its axis. At depth 1 most points are beyond
- * it. So near to the plane of a pinhole that its sum of squares is no number, a flat target
- * is not seen either. */
+/* With k4 = -1 the lens has a pole 45 degrees off its axis. At depth 1 most points are
+ * beyond the pole. A flat target is not seen either, if it is so near to the plane of a
+ * pinhole that its sum of squares overflows. */
 static void test_a_start_that_the_lens_does_not_see_is_told(void)
 {
     for (int is_pole = 0; is_pole < 2; is_pole++) {
@@ -617,7 +618,7 @@ static void test_a_start_that_the_lens_does_not_see_is_told(void)
 
 enum { MANY = 24 };
 
-/* Points on the plane z = 1 about the axis, but for the first one, which is the origin. */
+/* Points on the plane z = 1 about the axis, except the first one, which is the origin. */
 static void many(problem *p, rigcal_observation o[MANY])
 {
     rigcal_real uv_middle[2];
@@ -635,9 +636,9 @@ static void many(problem *p, rigcal_observation o[MANY])
     test_to_real(p->points.origin, ZERO, 3);
 }
 
-/* A first step by a part of the points that cannot be made is left out, and all points tell
- * what is wrong: they are behind the camera, or one of them is nearly in its centre, where
- * its pixel moves by more than a number. */
+/* If a first step by a part of the points is impossible, it is left out. Then all points
+ * show what is wrong: they are behind the camera, or one of them is nearly in its centre,
+ * where the derivative of its pixel overflows. */
 static void test_a_part_without_a_step_is_left_out(void)
 {
 #if RIGCAL_FOR_SPEED

@@ -1,4 +1,4 @@
-/* reports: what a monitor gives back. The truth: what it was begun with, dense matrices in
+/* reports: what a monitor returns. The truth: what it was begun with, dense matrices in
  * double, and what storage keeps of it. */
 #include <math.h>
 #include <string.h>
@@ -47,13 +47,15 @@ static void test_a_monitor_gives_back_what_it_was_begun_with(void)
     for (int k = 0; k < 36; k++) {
         ASSERT_NEAR(0, m.Sigma[k], 0);
     }
+    w.rig.n_cameras = 0;
+    w.rig.sigma_px = w.rig.F = w.rig.freedom_between = w.rig.freedom_within = -1;
     ASSERT_STATUS(RIGCAL_OK, rigcal_monitor_rig(&w.rig, w.monitor));
     TEST_ASSERT_EQUAL_MEMORY(&rig, &w.rig, sizeof rig);
     TEST_ASSERT_TRUE(w.held[0] == 1 && w.held[1] == 0 && w.group[1] == 0);
     ASSERT_STATUS(RIGCAL_ERR_RANGE, rigcal_monitor_camera(&m, w.monitor, 2));
 }
 
-/* One pass through storage, and a monitor begins again where it was. */
+/* After storing and loading, a monitor begins again where it was. */
 static void test_a_monitor_goes_on_from_what_was_stored(void)
 {
     static uint8_t bytes[RIGCAL_STORE_RIG_SIZE(2, 1)];
@@ -82,7 +84,7 @@ static void test_a_monitor_goes_on_from_what_was_stored(void)
     }
 }
 
-/* As of the calibrated rig that holds the same. */
+/* As for the calibrated rig with the same numbers. */
 static void test_a_pair_has_its_cross_terms(void)
 {
     test_rng rng = test_seed(3);
@@ -107,7 +109,7 @@ static void test_a_pair_has_its_cross_terms(void)
     }
 }
 
-/* Of matches that is the length of the base. */
+/* For matches this axis is the length of the base. */
 static void test_the_direction_known_worst_is_the_largest_axis_of_the_ellipsoid(void)
 {
     test_rng rng = test_seed(4);

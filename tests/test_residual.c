@@ -1,5 +1,5 @@
 /* residual: the error of a point, its derivatives, and what it adds to least squares,
- * against differences of test_project_px. */
+ * compared with differences of test_project_px. */
 #include <math.h>
 #include <string.h>
 
@@ -10,7 +10,8 @@
 
 enum { PINHOLE, BROWN, FISHEYE, BARE_FISHEYE, CAMERAS };
 
-/* A pinhole; Brown's lens with all its coefficients; a fisheye with and without any. */
+/* A pinhole; Brown's lens with all its coefficients; a fisheye with coefficients and one
+ * without. */
 static rigcal_camera camera_of(int which)
 {
     rigcal_camera camera = test_pinhole();
@@ -30,7 +31,7 @@ static rigcal_camera camera_of(int which)
     return camera;
 }
 
-/* Ahead of the camera; of a fisheye up to 115 degrees off its axis. */
+/* A point in front of the camera; for a fisheye up to 115 degrees off its axis. */
 static void random_point(double X_c[3], const rigcal_camera *camera, test_rng *rng)
 {
     const double way = test_uniform(rng, 0, 2 * TEST_PI), range = test_uniform(rng, 1, 4);
@@ -57,7 +58,7 @@ static void differences(double B[6], const rigcal_camera *camera, const double X
     }
 }
 
-/* Some point, its pixel and noise; e and B by the formulas of rigcal.h. */
+/* A random point, its pixel and noise; e and B by the formulas of rigcal.h. */
 typedef struct {
     rigcal_camera camera;
     double X_c[3], uv[2], e[2], B[6];
@@ -107,8 +108,8 @@ static void test_a_point_behind_has_no_error(void)
 
 /* ---- along the ray ------------------------------------------------------------- */
 
-/* Of a point next to the ray, over its range: the error in pixels, and a remainder that
- * falls with the square of the distance. */
+/* For a point next to the ray, divided by its range: the error in pixels, and a remainder
+ * that falls with the square of the distance. */
 static void test_along_the_ray_it_is_the_error_to_first_order(void)
 {
     test_rng rng = test_seed(52);
@@ -141,7 +142,7 @@ static void test_along_the_ray_it_is_the_error_to_first_order(void)
     }
 }
 
-/* At the unit ray m: B as it is there, B m = 0, and e = -B X_c to the last digits. */
+/* At the unit ray m: B as it is there, B m = 0, and e = -B X_c, to the last digits. */
 static void test_along_the_ray_the_derivative_is_that_at_the_ray(void)
 {
     test_rng rng = test_seed(53);
@@ -164,7 +165,7 @@ static void test_along_the_ray_the_derivative_is_that_at_the_ray(void)
                 e_exact[row] -= of_ray[3 * row + k] * D(BEHIND[k]);
             }
         }
-        ASSERT_ARRAY_NEAR(e_exact, e, 2, TOL(1e-4, 1)); /* of thousands */
+        ASSERT_ARRAY_NEAR(e_exact, e, 2, TOL(1e-4, 1)); /* of thousands of pixels */
     }
 }
 
@@ -172,7 +173,7 @@ static void test_along_the_ray_the_derivative_is_that_at_the_ray(void)
 
 enum { POINTS = 7 };
 
-/* Points in their own frame, their pose, weights, and what each camera makes of them. */
+/* Points in their own frame, their pose, weights, and their pixels in each camera. */
 typedef struct {
     rigcal_camera camera;
     int which;
@@ -201,8 +202,8 @@ static void random_target(target *T, int which, double noise_px, test_rng *rng)
     }
 }
 
-/* Errors times the root of the weight, of the pose moved by d; half their sum of
- * squares. */
+/* The errors times the root of the weight, after the pose moved by d. Returns half their
+ * sum of squares. */
 static double errors(double e[2 * POINTS], const target *T, const double d[6])
 {
     double R[9], t[3], half = 0;
@@ -221,7 +222,7 @@ static double errors(double e[2 * POINTS], const target *T, const double d[6])
     return half;
 }
 
-/* The library's sums. */
+/* Adds all points to the library's sums. */
 static void add_all(target *T, int with_curvature)
 {
     rc_rigid_clear(T->g, T->H);
@@ -239,7 +240,7 @@ static void add_all(target *T, int with_curvature)
     }
 }
 
-/* The derivative of -e by each of (w, dt). */
+/* The derivative of -e by each element of (w, dt). */
 static void jacobian(double J[6][2 * POINTS], const target *T)
 {
     const double h = 1e-5;
@@ -287,9 +288,9 @@ static void test_sums_by_a_transform_are_those_of_differences(void)
     }
 }
 
-/* Half the sum of squares by (w, dt), twice. Of a pinhole it is exact; of another lens
- * less than a tenth is missing of what curvature adds to J^T J. Errors of 30 pixels make
- * it count. */
+/* The second derivative of half the sum of squares by (w, dt). For a pinhole it is exact.
+ * For another lens less than a tenth of what the curvature adds to J^T J is missing. Errors
+ * of 30 pixels make the curvature matter. */
 static void test_sums_with_curvature_are_the_second_derivative(void)
 {
     static const double MISSING[CAMERAS] = {0, 0.1, 0.06, 0.04};
@@ -317,7 +318,7 @@ static void test_sums_with_curvature_are_the_second_derivative(void)
             curved = fmax(curved, fabs(second - dot(J[i], J[j], 2 * POINTS)) / size);
             missed = fmax(missed, fabs(second - test_in_blocks(T.H, i, j)) / size);
         }
-        TEST_ASSERT_TRUE(curved > 0.01); /* the test sees it */
+        TEST_ASSERT_TRUE(curved > 0.01); /* the test can see it */
         ASSERT_NEAR(0, missed, MISSING[trial % CAMERAS] * curved + TOL(1e-5, 1e-4));
     }
 }

@@ -1,6 +1,6 @@
-/* rig: the public functions of a rig: the pose of a view, how sure the poses are, what is
- * left. Their numbers against the truth are in test_adjust.c, their views in test_views.c.
- * */
+/* rig: the public functions of a rig: the pose of a view, the accuracy of the poses, the
+ * residuals. Their numbers are compared with the truth in test_adjust.c, their views in
+ * test_views.c. */
 #include <math.h>
 #include <string.h>
 
@@ -73,7 +73,7 @@ static void test_a_pose_of_a_view_is_refused_and_nothing_written(void)
                    rigcal_view_pose_make(&pose, &r.views[0], &r.own[0].cam_from_target));
 }
 
-/* Points on a line through the target: a turn about it moves none of them. */
+/* Points on a line through the target. A turn about the line moves none of them. */
 static void test_points_that_do_not_fix_a_pose_are_degenerate(void)
 {
     const rigcal_camera camera = test_pinhole();
@@ -97,7 +97,7 @@ static void test_points_that_do_not_fix_a_pose_are_degenerate(void)
         o[k] = o[0];
     }
     ASSERT_REFUSED(RIGCAL_ERR_DEGENERATE, pose, rigcal_view_pose_make(&pose, &seen, &T));
-    o[4].X_w[0] += 1; /* four on a line, one beside: that fixes a pose */
+    o[4].X_w[0] += 1; /* four on a line and one beside it: that fixes a pose */
     for (int k = 0; k < 4; k++) {
         const double X[3] = {0.25 * (k - 2), 0.125 * (k - 2), 0.5 * (k - 2)};
 
@@ -123,7 +123,7 @@ static void test_a_held_camera_is_known_exactly(void)
     }
 }
 
-/* Views that were left out only after the adjustment tell nothing of the placement. */
+/* Views that are left out after the adjustment say nothing about the placement. */
 static void test_a_placement_that_no_view_is_left_of_has_no_covariance(void)
 {
     static uint8_t left_out[RIG_VIEWS_MAX];
@@ -139,7 +139,7 @@ static void test_a_placement_that_no_view_is_left_of_has_no_covariance(void)
     ASSERT_STATUS(RIGCAL_OK, rigcal_rig_placement(Sigma, &r.rig, 1, 0));
 }
 
-/* The covariance that is asked of a rig before it has one. */
+/* Asks a rig that has no covariance for one. */
 static void assert_no_covariance(void)
 {
     rigcal_real Sigma[36];
@@ -155,7 +155,7 @@ static void test_a_rig_that_is_not_adjusted_has_no_covariance(void)
     rigcal_rig_fit fit;
 
     WANTS_RIG;
-    make(); /* its memory is 0 */
+    make(); /* its memory is all zeros */
     assert_no_covariance();
     for (size_t k = 0; k < RIG_WORK; k++) {
         r.work[k] = RC(1e9);
@@ -231,8 +231,8 @@ static void test_without_a_cycle_there_is_no_loop_closure(void)
     ASSERT_NEAR(0, fit.freedom_between, 0);
 }
 
-/* Views of three points fit by themselves, whatever the noise: there is nothing that the
- * rig could disagree with. */
+/* Views of three points fit exactly by themselves, whatever the noise is. So there is no
+ * error inside views to compare the rig with. */
 static void test_views_of_three_points_have_no_test_of_the_rig(void)
 {
     rigcal_rig_fit fit;
@@ -282,8 +282,9 @@ static void test_poses_to_start_from_are_checked(void)
     TEST_ASSERT_EQUAL_INT32(3, at_fault); /* the first view of placement 1 */
 }
 
-/* Of 12 views of 8 points 192 numbers are measured; 2 cameras and 4 placements are free.
- * The deviation of the noise found is 0.017, of which 0.06 is more than three. */
+/* 12 views of 8 points have 192 numbers; 2 cameras and 4 placements are free. The estimated
+ * noise has the standard deviation 0.017; the tolerance 0.06 is more than three times
+ * that. */
 static void test_the_noise_found_is_that_of_the_pixels(void)
 {
     rigcal_rig_fit fit;
@@ -298,7 +299,7 @@ static void test_the_noise_found_is_that_of_the_pixels(void)
 }
 
 /* The unknowns lower the freedom of all cameras together by their number. The covariance is
- * that of the last step but one: the poses have since moved by 1e-7. */
+ * that of the last step but one. After that step the poses moved by 1e-7. */
 static void test_the_freedom_of_the_cameras_is_that_of_the_rig(void)
 {
     rigcal_rig_fit fit;

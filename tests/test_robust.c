@@ -1,5 +1,5 @@
-/* robust: scenes in which some pixels are another point's, or anything. What the
- * solver makes of them against what rigcal_pose_solve makes of the right ones. */
+/* robust: scenes in which some pixels belong to other points, or are random. The result is
+ * compared with that of rigcal_pose_solve for the right points. */
 #include <math.h>
 #include <string.h>
 
@@ -38,7 +38,7 @@ static void make(problem *p, test_rng *rng, int n, test_shape shape)
     }
 }
 
-/* Points n - 1 downwards, which are as random as any. */
+/* Makes the last points wrong, from n - 1 downwards; they are as random as any. */
 static void spoil(problem *p, test_rng *rng, int n_wrong, wrongness how)
 {
     double low[2] = {0, 0}, high[2] = {D(p->camera.width), D(p->camera.height)};
@@ -89,7 +89,7 @@ static double least_error(const problem *p, const rigcal_pose poses[], size_t n)
     return least;
 }
 
-/* The error of the pose that the right points alone give. */
+/* The error of the pose of the right points alone. */
 static double error_without_wrong_ones(const problem *p)
 {
     rigcal_pose poses[RIGCAL_POSES_MAX];
@@ -102,8 +102,8 @@ static double error_without_wrong_ones(const problem *p)
     return least_error(p, poses, n_found);
 }
 
-/* A right point further off than the threshold, or a wrong one within it by chance,
- * moves a pose no more than its own noise. */
+/* Whether the pose is right. A right point farther off than the threshold, or a wrong one
+ * that is within it by chance, may move the pose by no more than its own noise. */
 static int is_right(const problem *p)
 {
     return least_error(p, p->poses, p->n_found) <=
@@ -121,7 +121,7 @@ static int counted(const problem *p)
     return count;
 }
 
-/* The wrong ones first. */
+/* Reverses the order, so that the wrong points come first. */
 static void turn_round(problem *p)
 {
     for (int i = 0; i < p->n / 2; i++) {
@@ -135,7 +135,7 @@ static void turn_round(problem *p)
     }
 }
 
-/* Those within the threshold of the first pose, and no others, are inliers. */
+/* Whether the inliers are exactly the points within the threshold of the first pose. */
 static int inliers_are_those_of_the_pose(const problem *p, double threshold_px)
 {
     double R[9], t[3], X[3], X_c[3], uv[2];
@@ -233,8 +233,8 @@ static void test_all_wrong_is_not_believed(void)
     TEST_ASSERT_LESS_THAN_INT(10, few);
 }
 
-/* Of five points with one wrong, four agree, which chance brings about once in some
- * ten images: it is told. Of eight with one wrong it is not so. */
+/* Of five points with one wrong, four agree. Chance does that in one of some ten images, so
+ * the status says it. With eight points and one wrong it does not. */
 static void test_few_points_are_told_to_be_few(void)
 {
     test_rng rng = test_seed(4);
@@ -260,7 +260,7 @@ static void test_few_points_are_told_to_be_few(void)
     TEST_ASSERT_GREATER_THAN_INT(90, sure_of_eight);
 }
 
-/* Points seen twice, and points nearly in one place, make samples that fix nothing. */
+/* Points given twice, and points nearly in one place, make triples that fix no pose. */
 static void test_points_may_be_given_twice(void)
 {
     test_rng rng = test_seed(5);
@@ -279,7 +279,7 @@ static void test_points_may_be_given_twice(void)
     }
 }
 
-/* A wrong pixel may be one at which the lens images nothing. */
+/* A wrong pixel may be one for which the lens has no ray. */
 static void test_a_pixel_without_a_ray_is_a_wrong_one(void)
 {
     test_rng rng = test_seed(6);
@@ -302,8 +302,8 @@ static void test_a_pixel_without_a_ray_is_a_wrong_one(void)
     TEST_ASSERT_TRUE(least_error(&p, p.poses, 1) < TOL(1e-7, 1e-2));
 }
 
-/* Seven in ten wrong in the target's own image: the six right ones are too near their
- * projections to be chance. */
+/* Seven in ten are wrong, within the target's own image. The six right ones are too close
+ * to their projections to be chance. */
 static void test_six_of_twenty_are_believed(void)
 {
     test_rng rng = test_seed(11);
@@ -323,7 +323,7 @@ static void test_six_of_twenty_are_believed(void)
     TEST_ASSERT_LESS_OR_EQUAL_INT(1, believed - right);
 }
 
-/* Nine in ten wrong: some 10 000 triples find the right ones. */
+/* Nine in ten are wrong. Some 10 000 triples find the right ones. */
 static void test_nine_in_ten_may_be_wrong(void)
 {
     test_rng rng = test_seed(12);
@@ -342,7 +342,7 @@ static void test_nine_in_ten_may_be_wrong(void)
 
 /* ---- thresholds ---------------------------------------------------------- */
 
-/* sigma_i scales the threshold point by point. */
+/* sigma_i scales the threshold of each point. */
 static void test_relative_noise_widens_the_threshold(void)
 {
     test_rng rng = test_seed(7);
@@ -436,8 +436,8 @@ static void test_with_room_for_one_pose_the_best_is_written(void)
 
 /* ---- steps --------------------------------------------------------------- */
 
-/* How many triples are tried if the points that `agree` agree with the first. Of useful
- * triples 0.7 lead to the pose; the chance to miss all must be below exp(-6.9). */
+/* Checks how many triples are tried if `agree` points agree with the first pose. 0.7 of the
+ * useful triples lead to the pose. The chance to miss all must be below exp(-6.9). */
 static void assert_tried(int n, int agree, int32_t samples)
 {
     const double all = n * (n - 1) * (n - 2) / 6.0;
@@ -471,7 +471,7 @@ static void assert_tried(int n, int agree, int32_t samples)
 
 static void test_as_many_triples_are_tried_as_the_chance_to_miss_asks(void)
 {
-    assert_tried(10, 10, 10000); /* each of all once: 10 of 120 */
+    assert_tried(10, 10, 10000); /* each of the 120 triples at most once: 10 are enough */
     assert_tried(10, 8, 10000);
     assert_tried(20, 20, 1000); /* at random: 10 */
     assert_tried(20, 15, 1000);
@@ -508,7 +508,7 @@ static void test_budgets_change_no_bit(void)
             TEST_ASSERT_EQUAL_INT(p.n_inliers, n_inliers);
             TEST_ASSERT_EQUAL_MEMORY(p.inliers, inliers, p.n);
             TEST_ASSERT_EQUAL_MEMORY(p.poses, poses, n_found * sizeof poses[0]);
-            /* the caller's, who may have taken it away */
+            /* it belongs to the caller, who may have freed it */
             solver.points.view.camera = NULL;
             solver.points.view.observations = NULL;
             ASSERT_STATUS(RIGCAL_OK, rigcal_robust_step(&solver, 1));
@@ -516,7 +516,8 @@ static void test_budgets_change_no_bit(void)
     }
 }
 
-/* One sample of a hundred is wrong too often; another seed draws others. */
+/* With one sample, one scene in a hundred is wrong too often. Another seed draws other
+ * samples. */
 static void test_seed_and_samples_count(void)
 {
     test_rng rng = test_seed(10);
@@ -539,7 +540,7 @@ static void test_seed_and_samples_count(void)
     TEST_ASSERT_GREATER_THAN_INT(0, differ);
 }
 
-/* The search ends where it may spend no more: with the best pose so far, or with none. */
+/* The search ends when its units are spent, with the best pose so far or with none. */
 static void test_a_search_ends_after_the_units_that_it_may_spend(void)
 {
     test_rng rng = test_seed(14);
@@ -563,7 +564,7 @@ static void test_a_search_ends_after_the_units_that_it_may_spend(void)
         for (units = 0; rigcal_robust_step(&solver, 1) == RIGCAL_RUNNING; units++) {
         }
         TEST_ASSERT_GREATER_OR_EQUAL_INT(99, units);
-        TEST_ASSERT_LESS_OR_EQUAL_INT(50, solver.tried); /* two units each at least */
+        TEST_ASSERT_LESS_OR_EQUAL_INT(50, solver.tried); /* each takes two units at least */
         options.max_units = 100000;
         found += solve(&p, &options) >= 0 && is_right(&p);
     }
@@ -572,7 +573,7 @@ static void test_a_search_ends_after_the_units_that_it_may_spend(void)
 
 enum { TRIPLES = 10 * 9 * 8 / 6 };
 
-/* Where all triples may be tried, each is tried once. */
+/* If all triples may be tried, each is tried once. */
 static void test_all_triples_are_tried_once(void)
 {
     static uint8_t tried[10][10][10];
@@ -600,7 +601,7 @@ static void test_all_triples_are_tried_once(void)
 
 /* ---- thresholds near the noise, and below it ------------------------------ */
 
-/* The points that agree change again and again. The pose is right where the marks end. */
+/* The set of points that agree changes again and again. The last pose is right. */
 static void test_a_threshold_of_two_sigma_gives_the_right_pose(void)
 {
     rigcal_robust_options options;
@@ -620,7 +621,8 @@ static void test_a_threshold_of_two_sigma_gives_the_right_pose(void)
     }
 }
 
-/* Pixels so many and so sure that rounding decides which points agree. */
+/* The image has so many pixels, and the noise is so small, that rounding decides which
+ * points agree. */
 static rigcal_status solve_to_rounding(problem *p, int n, double threshold)
 {
     const rigcal_real larger = 50;

@@ -1,4 +1,4 @@
-/* roots: the poses of the widest of few points, against the truth. */
+/* roots: the poses of the widest triple of few points, compared with the truth. */
 #include <math.h>
 #include <string.h>
 
@@ -39,7 +39,8 @@ static void make_scene(scene *s, test_rng *rng, int n, double across)
     ASSERT_STATUS(RIGCAL_OK, rc_points_survey(&s->points, uv_middle, &at));
 }
 
-/* All steps; at most two of the triple and its poses, three rays, and a score each. */
+/* Runs all steps. There are at most two for the triple and its poses, three for rays, and
+ * one for each score. */
 static int32_t find(rigcal_optima *optima, const rigcal_points *points)
 {
     rigcal_triple triple = {0};
@@ -51,7 +52,7 @@ static int32_t find(rigcal_optima *optima, const rigcal_points *points)
     return n;
 }
 
-/* Angle between a pose found and the truth. */
+/* The angle between a pose that was found and the truth. */
 static double off_truth(const scene *s, const rigcal_optimum *pose)
 {
     rigcal_transform T;
@@ -62,8 +63,8 @@ static double off_truth(const scene *s, const rigcal_optimum *pose)
     return test_angle_between(R, s->R);
 }
 
-/* Of 4 to 8 points in a cube the truth is the first, and they come in the order of their
- * sums, none a hundred times worse than a pixel. */
+/* With 4 to 8 points in a cube the truth comes first. The poses come in the order of their
+ * sums, none of them more than a hundred times worse than a pixel. */
 static void test_the_truth_is_the_first(void)
 {
     test_rng rng = test_seed(2601);
@@ -74,7 +75,7 @@ static void test_the_truth_is_the_first(void)
         scene s;
 
         make_scene(&s, &rng, 4 + trial % 5, 1);
-        optima.n = 0;
+        memset(&optima, 0, sizeof optima); /* what is beyond the list fits exactly */
         const int32_t n = find(&optima, &s.points);
         TEST_ASSERT_EQUAL_INT32(0, optima.n);
         TEST_ASSERT_LESS_OR_EQUAL_INT32(RC_P3P_MAX, n);
@@ -91,7 +92,7 @@ static void test_the_truth_is_the_first(void)
     TEST_ASSERT_GREATER_THAN_INT(320, found);
 }
 
-/* Three points nearly on a line have no poses that are starts. */
+/* Three points nearly on a line have no poses that could be starts. */
 static void test_a_narrow_triple_gives_none(void)
 {
     test_rng rng = test_seed(2602);
@@ -121,7 +122,8 @@ static void test_one_pixel_gives_none(void)
     TEST_ASSERT_EQUAL_INT32(0, find(&optima, &s.points));
 }
 
-/* Points that do not count are in no triple: the farthest has a pixel far off. */
+/* Points that do not count are in no triple. Here the farthest point has a pixel that is
+ * far off. */
 static void test_only_points_that_count_do(void)
 {
     test_rng rng = test_seed(2603);

@@ -5,7 +5,7 @@
 #include "test_support.h"
 #include "vectors_rotation.h"
 
-/* Entries of a matrix, and angles, of order 1. */
+/* For entries of a matrix, and for angles, of order 1. */
 #define TOL_ENTRY TOL(1e-14, 2e-6)
 
 static const rigcal_real IDENTITY[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
@@ -38,7 +38,7 @@ static void test_no_angles_are_the_identity(void)
     }
 }
 
-/* Right-handed: yaw takes x to y, pitch z to x, roll y to z. */
+/* Right-handed: yaw takes x to y, pitch takes z to x, roll takes y to z. */
 static void test_a_quarter_turn_takes_each_axis_to_the_next(void)
 {
     static const double quarter[3][9] = {
@@ -68,7 +68,7 @@ static void test_matrices_of_angles_are_the_oracles(void)
     }
 }
 
-/* Yaw and roll are only as sharp as the cosine of pitch is long. */
+/* The accuracy of yaw and roll falls with the cosine of pitch. */
 static void test_angles_of_matrices_are_the_oracles(void)
 {
     for (int i = 0; i < ROTATION_YPR_ROWS; i++) {
@@ -101,7 +101,7 @@ static void test_where_gimbal_lock_begins(void)
     const double sr = sin(0.3), cr = cos(0.3);
 
     for (int more = 0; more < 2; more++) {
-        const rigcal_real c = RC((4 + more) * RC_EPS);
+        const rigcal_real c = RC(4 + more) * RC_EPS;
         const double M[9] = {D(c), sr, cr, 0, cr, -sr, -1, D(c) * sr, D(c) * cr};
         rigcal_real R[9], ypr[3];
 
@@ -112,8 +112,8 @@ static void test_where_gimbal_lock_begins(void)
     }
 }
 
-/* Which yaw and roll come out there may depend on the last digit, but they must
- * make the same matrix. */
+/* Near gimbal lock yaw and roll may depend on the last digit, but they must give the same
+ * matrix. */
 static void test_angles_near_gimbal_lock_still_make_the_same_matrix(void)
 {
     test_rng rng = test_seed(11);
@@ -194,7 +194,7 @@ static void test_matrices_of_rotation_vectors_are_scipys(void)
     }
 }
 
-/* To as many digits as the vector has, however small it is. */
+/* To as many digits as the vector has, even if it is very small. */
 static void test_a_rotation_vector_comes_back_from_its_matrix(void)
 {
     test_rng rng = test_seed(13);
@@ -214,7 +214,7 @@ static void test_a_rotation_vector_comes_back_from_its_matrix(void)
         test_rotation_about(M, axis, angle);
         test_to_real(R, M, 9);
         ASSERT_STATUS(RIGCAL_OK, rigcal_vector_from_rotation(w, R));
-        /* The axis of a large turn is worth eps / sin(angle). */
+        /* The error of the axis of a large turn is eps / sin(angle). */
         ASSERT_ARRAY_NEAR(w_true, w, 3, TOL(1e-14, 5e-6) * (angle > 2 ? 30 : angle));
     }
 }
@@ -246,8 +246,8 @@ static void test_no_rotation_vector_is_the_identity_and_back(void)
     }
 }
 
-/* R = 2 a a^T - I: the antisymmetric part, which gives the axis elsewhere,
- * is 0. Either sign of the axis is right. */
+/* R = 2 a a^T - I. The antisymmetric part, which otherwise gives the axis, is 0. Either
+ * sign of the axis is right. */
 static void test_half_turns_about_any_axis_give_their_axis(void)
 {
     static const double axes[7][3] = {
@@ -367,7 +367,7 @@ static void test_a_unit_quaternion_comes_back_with_w_not_negative(void)
     }
 }
 
-/* w = 0, each of x, y, z in turn the largest. */
+/* w = 0, and each of x, y, z is the largest in turn. */
 static void test_half_turns_have_quaternions_too(void)
 {
     static const double axes[4][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0.48, 0.64, -0.6}};
@@ -464,7 +464,7 @@ static void test_a_mirror_has_no_nearest_rotation(void)
 
 /* ---- tidy ---------------------------------------------------------------- */
 
-/* Elements off by as much as many roundings leave them. */
+/* Elements with errors as large as many roundings leave. */
 static void test_a_tidied_rotation_is_one_and_where_it_was(void)
 {
     const double off = TOL(1e-12, 1e-4);
@@ -515,8 +515,8 @@ static void test_the_angle_between_rotations_is_what_was_turned(void)
         test_to_real(Rb, B, 9);
         ASSERT_STATUS(RIGCAL_OK, rigcal_rotation_angle(&there, Ra, Rb));
         ASSERT_STATUS(RIGCAL_OK, rigcal_rotation_angle(&back, Rb, Ra));
-        /* Near pi the cosine is flat: rounding eps moves the angle sqrt(eps),
-         * unless the sine is used as well, as it should be. */
+        /* Near pi the cosine is flat: a rounding of eps moves the angle by sqrt(eps),
+         * unless the sine is used too. */
         ASSERT_NEAR(angle, there, TOL(2e-15, 1e-6));
         ASSERT_NEAR(there, back, TOL(1e-15, 5e-7));
         TEST_ASSERT_TRUE(there >= 0 && D(there) <= TEST_PI * (1 + TOL(0, 1e-7)));

@@ -38,7 +38,8 @@ static body moved(const body *b, const double d[6])
     return out;
 }
 
-/* The ray of a pixel, z = 1 or of unit length: Newton from a ray near by. */
+/* The ray of a pixel, with z = 1 or of unit length, by Newton's method from a ray
+ * nearby. */
 static void ray_of(double m[3], const rigcal_camera *camera, const double uv[2],
                    const double near[3])
 {
@@ -80,7 +81,7 @@ static double constraint(const body *a, const body *b, const double m_a[3],
     return test_dot(m_b, n);
 }
 
-/* What was matched, and the rays of its pixels, each moved by a pixel's part too. */
+/* A match, the rays of its pixels, and these rays after each pixel moved a little. */
 typedef struct {
     double rays[2][5][3];
 } matched;
@@ -103,7 +104,8 @@ static void match(matched *m, const rigcal_camera camera[2], double uv[2][2],
     }
 }
 
-/* Sampson's distance in pixels over SIGMA, e by pixels from differences. */
+/* Sampson's distance in pixels over SIGMA. The derivative of e by the pixels is a
+ * difference quotient. */
 static double distance(const matched *m, const body *a, const body *b)
 {
     double square = 0;
@@ -143,7 +145,7 @@ static void two_cameras(rigcal_transform T[2], test_rng *rng)
     }
 }
 
-/* A point's pixels, moved by noise, and the row of that. */
+/* The noisy pixels of a point, and the row that they give. */
 static rigcal_status row_of(rc_row *row, matched *m, const rigcal_camera camera[2],
                             const rigcal_transform T[2], test_rng *rng, double noise)
 {
@@ -220,7 +222,7 @@ static void test_the_residual_is_sampsons_distance_in_standard_deviations(void)
     }
 }
 
-/* At the noisy match h along the base is r / |base|. */
+/* At the noisy match, h along the base would be r / |base|. */
 static void test_a_noisy_match_knows_nothing_of_the_length_of_the_base(void)
 {
     for (int trial = 0; trial < TEST_TRIALS(40); trial++) {
@@ -298,7 +300,7 @@ static void test_a_match_on_the_line_through_both_centres_is_refused(void)
     ASSERT_STATUS(RIGCAL_OK, rc_sight_of(&seen.sight[0], &camera, aside, RC(SIGMA)));
     ASSERT_STATUS(RIGCAL_OK, rc_sight_of(&seen.sight[1], &camera, aside, RC(SIGMA)));
     ASSERT_STATUS(RIGCAL_OK, rc_rows_of(&row, &seen, &T[0], &T[1]));
-    /* Within the noise of one of both rays it is on that line. */
+    /* If one ray is this noisy, the match is within noise of the line. */
     for (int c = 0; c < 2; c++) {
         rc_seen noisy = seen;
 
@@ -420,7 +422,7 @@ static void test_a_point_behind_the_camera_has_no_row(void)
     ASSERT_STATUS(RIGCAL_ERR_BEHIND, rc_rows_of(rows, &seen, &T, &T));
     seen.X[2] = 2;
     ASSERT_STATUS(RIGCAL_OK, rc_rows_of(rows, &seen, &T, &T));
-    seen.uv[1] = RC(1e6); /* so many deviations off that they are no number */
+    seen.uv[1] = RC(1e6); /* so far off that the number of deviations overflows */
     seen.sigma_px = RC(TOL(1e-305, 1e-36));
     ASSERT_STATUS(RIGCAL_ERR_NO_RAY, rc_rows_of(rows, &seen, &T, &T));
 }
@@ -466,8 +468,8 @@ static void test_the_place_of_a_target_moves_as_its_camera_and_its_view_do(void)
     }
 }
 
-/* Each coefficient alone makes a lens of the camera, and none is a pinhole: the ray's noise
- * is that of the pixel by differences. */
+/* Each coefficient alone is enough for a lens. The noise of the ray is that of the pixel,
+ * by differences. */
 static void test_each_coefficient_of_a_lens_counts(void)
 {
     for (int k = 0; k < 10; k++) {
@@ -500,7 +502,7 @@ static void test_each_coefficient_of_a_lens_counts(void)
     }
 }
 
-/* A ray at more than 89.999 degrees from the axis of a pinhole has no image. */
+/* A ray more than 89.999 degrees off the axis of a pinhole has no image. */
 static void test_a_ray_that_grazes_has_no_sight(void)
 {
     const rigcal_camera camera = test_pinhole();
@@ -521,8 +523,9 @@ static void test_a_ray_of_no_length_is_none(void)
     ASSERT_STATUS(RIGCAL_ERR_DEGENERATE, rc_sight_of(&sight, &camera, nothing, 1));
 }
 
-/* Of Brown's lens with k6 alone the pixel hardly moves far off the axis, with k3 alone by
- * more than a square may have: the noise of such a ray is no number. */
+/* If Brown's lens has k6 alone, the pixel hardly moves far off the axis. If it has k3
+ * alone, the pixel moves so much that the square overflows. The noise of such a ray is no
+ * finite number. */
 static void test_a_ray_whose_noise_is_no_number_has_no_sight(void)
 {
     const rigcal_real ray[3] = {1, 0, RC(TOL(1e-20, 1e-3))};
@@ -535,8 +538,8 @@ static void test_a_ray_whose_noise_is_no_number_has_no_sight(void)
     ASSERT_STATUS(RIGCAL_ERR_NO_RAY, rc_sight_of(&sight, &wild, ray, 1));
 }
 
-/* A point so near to the plane of the camera that its pixel, or how the pixel moves, is no
- * number. */
+/* The point is so near to the plane of the camera that its pixel, or the pixel's
+ * derivative, overflows. */
 static void test_a_point_that_grazes_has_no_row(void)
 {
     const double depths[2] = {TOL(1e-200, 1e-20), TOL(1e-306, 1e-37)};

@@ -25,7 +25,8 @@ static void test_a_stride_reaches_all(void)
     }
 }
 
-/* Random triples: three different points each, and each triple about as often. */
+/* Random triples: each has three different points, and all triples are about equally
+ * frequent. */
 static void test_random_triples_are_spread(void)
 {
     static int count[N][N][N];
@@ -59,8 +60,9 @@ static void test_random_triples_are_spread(void)
     TEST_ASSERT_LESS_THAN_INT(140, most);
 }
 
-/* 270369, 67634689 and 2647435461 are the generator's first numbers of the seed 1. Of 2^32
- * parts they are point 0 of 9, 0 of the other 8, and 4 of the other 7: 1 and 6. */
+/* 270369, 67634689 and 2647435461 are the generator's first numbers of the seed 1. Divided
+ * by 2^32, they choose point 0 of 9, then place 0 of the other 8, which is point 1, then
+ * place 4 of the other 7, which is point 6. */
 static void test_the_first_random_triple_is_that_of_the_generator(void)
 {
     int32_t sample[3] = {5, 3, 8};
@@ -92,7 +94,7 @@ static void test_ranked_triples_are_in_order(void)
     TEST_ASSERT_EQUAL_INT32(TRIPLES, rank);
 }
 
-/* About 0.6 of all, so that neighbours are far apart. */
+/* The stride is about 0.6 of all triples, so that triples tried in turn are far apart. */
 static void test_a_stride_is_the_golden_section(void)
 {
     TEST_ASSERT_INT32_WITHIN(3, 618, rc_sample_stride(1000));

@@ -1,4 +1,4 @@
-/* score: the hypotheses of a pair of cameras against each other. The truth: every
+/* score: compares the hypotheses of a pair of cameras with each other. The truth: every
  * comparison, one by one. */
 #include <math.h>
 #include <string.h>
@@ -15,7 +15,8 @@ static rc_score_parts parts;
 
 #define WANTS_RIG TEST_WANTS_RAM(2 * F * 1200)
 
-/* Two cameras that saw F placements, their poses, and what those tell; a pair is begun. */
+/* Two cameras that saw F placements, their poses, and the information of these. Begins the
+ * scores of the pair. */
 static void begin(test_rng *rng, double share)
 {
     t.distance = 20;
@@ -78,7 +79,7 @@ static void test_the_list_has_the_placements_that_tell_most(void)
     }
 }
 
-/* What a placement costs a hypothesis: the least over its combinations. */
+/* The cost of a placement for a hypothesis: the least over its combinations. */
 static double cost_in(const rc_claim *it, size_t own, size_t placement)
 {
     double least = 1e30;
@@ -90,7 +91,8 @@ static double cost_in(const rc_claim *it, size_t own, size_t placement)
         rc_claim other;
 
         ASSERT_STATUS(RIGCAL_OK, rc_score_claim(&other, &s, &parts, 4 * placement + k));
-        if (other.view >= 0) { /* at the pivot of the one that is later in the list */
+        if (other.view >= 0) { /* taken at the pivot of the one that comes later in the
+                                  list */
             size_t at = 0;
 
             while ((size_t)parts.list[at] != own && (size_t)parts.list[at] != placement) {
@@ -169,8 +171,8 @@ static void test_how_many_agree_with_a_score(void)
     }
 }
 
-/* From the rig: only placements that are known, or doubtful ones where those will do. What
- * the view that placed one fits worse is no matter of the camera's. */
+/* From the rig: only placements that are known, or doubtful ones if they are enough. What a
+ * view of the joined cameras fits worse is not charged to the new camera. */
 static void test_hypotheses_from_the_rig(void)
 {
     test_rng rng = test_seed(573);
@@ -181,7 +183,7 @@ static void test_hypotheses_from_the_rig(void)
     s.a = -1;
     memset(&parts.cams[0], 0, sizeof parts.cams[0]);
     parts.cams[0].b_from_a = t.true_cams[0];
-    for (int f = 0; f < F; f++) { /* by camera 0: of three by its second pose */
+    for (int f = 0; f < F; f++) { /* by camera 0; three of them by its second pose */
         const size_t v = rc_score_view_of(&t.rig, &parts, 0, (size_t)f);
 
         parts.strength[f] = f < 3 ? RC_KNOWN : f < 7 ? RC_DOUBTFUL : RC_STALE;
@@ -205,7 +207,7 @@ static void test_hypotheses_from_the_rig(void)
     TEST_ASSERT_EQUAL(7, s.n);
 }
 
-/* A view whose information is 0 makes no claim. */
+/* A view with an information of 0 makes no claim. */
 static void test_a_view_that_knows_nothing_is_degenerate(void)
 {
     test_rng rng = test_seed(575);

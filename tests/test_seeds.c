@@ -1,5 +1,5 @@
-/* seeds: which starts a search hands out, against the pose that the scene was made with and
- * minima that test_fit finds. */
+/* seeds: the starts of a search, compared with the true pose of the scene and with minima
+ * that test_fit finds. */
 #include <math.h>
 #include <string.h>
 
@@ -18,7 +18,7 @@ static void begin(rigcal_search *s, const test_problem *p)
     rc_seeds_begin(s, uv_middle);
 }
 
-/* Steps until something has come of it. */
+/* Steps until there is a result. */
 static int32_t next_start(rigcal_search *s)
 {
     int32_t came = RC_SEEDS_BUSY;
@@ -41,7 +41,7 @@ static double angle_to(const double R[9], const rigcal_transform *T)
     return test_angle_between(R, seen);
 }
 
-/* A pose as an optimum, its points counted from the origin of the search. */
+/* Keeps a pose as an optimum. Its points count from the origin of the search. */
 static void keep(rigcal_search *s, const double R[9], const double t[3], double sse)
 {
     double origin[3], shifted[3];
@@ -73,8 +73,8 @@ static void test_the_virtual_camera_looks_at_the_middle_of_the_image(void)
     }
 }
 
-/* Brown's lens with k1 = -1 turns back 30 degrees off its axis: 800 / sqrt(3) 2 / 3 =
- * 308 pixels from the middle. */
+/* Brown's lens with k1 = -1 folds 30 degrees off its axis: 800 / sqrt(3) 2 / 3 = 308 pixels
+ * from the middle. */
 static void test_a_pixel_that_the_lens_does_not_reach_is_told(void)
 {
     static const rigcal_real MIDDLE[2] = {320 + 350, 240};
@@ -88,7 +88,7 @@ static void test_a_pixel_that_the_lens_does_not_reach_is_told(void)
         begin(&s, &p);
         TEST_ASSERT_EQUAL_INT32(RC_SEEDS_UNSEEN, next_start(&s));
         TEST_ASSERT_EQUAL(unseen, s.point);
-        rc_seeds_begin(&s, MIDDLE); /* its own axis then */
+        rc_seeds_begin(&s, MIDDLE); /* then it is the camera's own axis */
         ASSERT_NEAR(1, s.axis[2], 0);
         ASSERT_NEAR(0, s.axis[0], 0);
     }
@@ -156,7 +156,8 @@ static void lattice_direction(double m3[3], int i)
     m3[2] = z;
 }
 
-/* 24 caps of equal area have a radius of 23.6 degrees; they cover with 8 degrees more. */
+/* 24 caps of equal area have a radius of 23.6 degrees. With 8 degrees more they cover the
+ * sphere. */
 static void test_the_lattice_covers_the_sphere(void)
 {
     test_rng rng = test_seed(95);
@@ -174,7 +175,7 @@ static void test_the_lattice_covers_the_sphere(void)
     TEST_ASSERT_TRUE(farthest < 32 * TEST_PI / 180);
 }
 
-/* The library's directions are those, and it keeps the three that cost least, best
+/* The library uses these directions, and keeps the three with the least cost, best
  * first. */
 static void test_the_search_keeps_the_three_best_of_the_lattice(void)
 {
@@ -218,7 +219,8 @@ static void test_the_search_keeps_the_three_best_of_the_lattice(void)
 
 /* ---- starts of a search ------------------------------------------------------- */
 
-/* The nearest of all starts that come while nothing has been found, and how many. */
+/* The distance of the nearest start, of all that come while nothing was found, and their
+ * number. */
 static double nearest_start(const test_problem *p, int *n_starts)
 {
     double nearest = 10;
@@ -234,8 +236,9 @@ static double nearest_start(const test_problem *p, int *n_starts)
     return nearest;
 }
 
-/* 0.3 rad, half the spacing of the lattice, is near enough for a refinement. All starts
- * of a flat target may be at its second minimum: leaning ones come after that is found. */
+/* 0.3 rad, half the spacing of the lattice, is close enough for a refinement. For a flat
+ * target all starts may be at its second minimum: the leaning starts come only after that
+ * was found. */
 static void test_a_start_of_an_exact_view_is_near_its_pose(void)
 {
     enum { TRIALS = TEST_TRIALS(400) };
@@ -272,12 +275,12 @@ static void test_no_start_leads_to_what_has_been_found(void)
             TEST_ASSERT_TRUE(angle_to(p.scene.R, start_of(&s)) > TOL(0.05, 0.0499));
             n_starts++;
         }
-        TEST_ASSERT_LESS_OR_EQUAL_INT(2 + 3, n_starts); /* of the lattice; that lean */
+        TEST_ASSERT_LESS_OR_EQUAL_INT(2 + 3, n_starts); /* from the lattice; leaning */
     }
 }
 
-/* A descent of its own takes ten steps; that a seed leads downhill to the pose found,
- * one. */
+/* A descent takes ten steps. It takes one step to see that a seed leads downhill to a pose
+ * that was found. */
 static void test_a_seed_on_the_way_to_the_pose_found_takes_no_descent(void)
 {
     enum { TRIALS = TEST_TRIALS(200) };
@@ -301,7 +304,7 @@ static void test_a_seed_on_the_way_to_the_pose_found_takes_no_descent(void)
 
 /* ---- flat targets -------------------------------------------------------------- */
 
-/* The second minimum of a plane's image is found by test_fit. */
+/* test_fit finds the second minimum of a plane's image. */
 static void test_a_flat_target_has_a_start_near_its_second_minimum(void)
 {
     enum { TRIALS = TEST_TRIALS(300) };
@@ -318,7 +321,7 @@ static void test_a_flat_target_has_a_start_near_its_second_minimum(void)
         data = test_data_of(&p);
         test_mirror_tilt(&second, &data, p.scene.R, p.scene.t);
         if (!test_fit(&second, &data) || test_angle_between(p.scene.R, second.R) < 0.3) {
-            continue; /* the one minimum that there is */
+            continue; /* there is only one minimum */
         }
         with_second++;
         begin(&s, &p);
@@ -333,8 +336,8 @@ static void test_a_flat_target_has_a_start_near_its_second_minimum(void)
     TEST_ASSERT_LESS_OR_EQUAL_INT(with_second / 50, missed);
 }
 
-/* Nearly head-on the least lean has a tangent of 0.3; head-on there is no way of
- * leaning, and any will do. */
+/* Nearly head-on the least lean has a tangent of 0.3. Exactly head-on no direction of lean
+ * is preferred, so any is right. */
 static void test_a_flat_target_seen_head_on_has_starts_that_lean(void)
 {
     const double t[3] = {0, 0, 5}, least = atan(0.3);
@@ -346,7 +349,7 @@ static void test_a_flat_target_seen_head_on_has_starts_that_lean(void)
         test_random_problem(&p, &rng, MANY, TEST_GENERAL);
         test_rotation(p.scene.R, test_uniform(&rng, -3, 3), trial % 2 ? 0.01 : 0, 0);
         for (int i = 0; i < MANY;
-             i++) { /* rings, so that its middle is where it is looked at */
+             i++) { /* rings, so that their middle is the middle of the image */
             const double way = 2 * TEST_PI / MANY * i;
             const double X[3] = {0.5 * cos(way), 0.5 * sin(way), 0};
             double X_c[3], uv[2];
@@ -366,9 +369,9 @@ static void test_a_flat_target_seen_head_on_has_starts_that_lean(void)
 
 /* ---- three points --------------------------------------------------------------- */
 
-/* One start is the scene's pose. Every other images the three points where they were
- * seen too, or next to that: the real part of two poses that noise, or rounding, has
- * made complex. */
+/* One start is the true pose. Each other start puts the three points on their pixels, or
+ * close to them: these are the real parts of two poses that noise or rounding made
+ * complex. */
 static void test_all_poses_of_three_points_are_starts(void)
 {
     test_rng rng = test_seed(100);
@@ -398,14 +401,14 @@ static void test_all_poses_of_three_points_are_starts(void)
         TEST_ASSERT_LESS_OR_EQUAL_INT(RC_P3P_MAX, n_starts);
     }
     TEST_ASSERT_GREATER_THAN_INT(100, several);
-    TEST_ASSERT_LESS_OR_EQUAL_INT(TOL(0, 2), missed); /* two poses about to merge */
+    TEST_ASSERT_LESS_OR_EQUAL_INT(TOL(0, 2), missed); /* two poses are about to merge */
     TEST_ASSERT_LESS_OR_EQUAL_INT(20, inexact);
 }
 
 /* ---- triples --------------------------------------------------------------------- */
 
-/* A fisheye in the middle of its points, which are in all directions up to 110 degrees
- * off. */
+/* A fisheye in the middle of its points, which are in all directions up to 110 degrees off
+ * the axis. */
 static void surrounded(test_problem *p, int n, test_rng *rng)
 {
     p->camera = test_pinhole();
@@ -452,8 +455,8 @@ static void test_rays_all_around_start_from_triples_among_which_is_the_pose(void
     }
 }
 
-/* A fisheye's pixel 180 degrees off and more: told before the first start, whether or not a
- * triple would take the point. */
+/* A fisheye's pixel at 180 degrees or more is reported before the first start, whether or
+ * not a triple would use that point. */
 static void test_a_pixel_of_rays_all_around_that_has_none_is_told_before_a_start(void)
 {
     test_rng rng = test_seed(107);
@@ -469,7 +472,8 @@ static void test_a_pixel_of_rays_all_around_that_has_none_is_told_before_a_start
     }
 }
 
-/* Three different points each; together all of 8 points, and of more as many at least. */
+/* Each triple has three different points. Together they have all of 8 points; with more
+ * points at least as many. */
 static void test_triples_are_of_different_points_and_six_at_most(void)
 {
     test_rng rng = test_seed(102);
@@ -522,7 +526,7 @@ static void test_after_a_pose_two_triples_are_enough(void)
 
 /* ---- mirrored points ------------------------------------------------------------- */
 
-/* A target so far away, ahead of the camera. */
+/* A target at this distance in front of the camera. */
 static void far_target(test_problem *p, test_shape shape, double distance, test_rng *rng)
 {
     test_random_problem(p, rng, 10, shape);
@@ -546,8 +550,8 @@ static void far_target(test_problem *p, test_shape shape, double distance, test_
     }
 }
 
-/* The points are handed in mirrored. Their least sum is about half a turn about the line of
- * sight from the pose, which the start for mirrored ones gives back. */
+/* The given points are mirrored. Their least sum is about half a turn about the line of
+ * sight from the pose. The start for mirrored points undoes this. */
 static void test_of_mirrored_points_the_start_is_near_the_pose(void)
 {
     static const double SIGHT[3] = {0, 0, 1};
@@ -581,7 +585,8 @@ static void test_of_mirrored_points_the_start_is_near_the_pose(void)
     }
 }
 
-/* A plane has the same images mirrored; near by, right coordinates leave no doubt. */
+/* A plane has the same images when mirrored. Near the camera, right coordinates leave no
+ * doubt. */
 static void test_neither_a_plane_nor_right_points_near_by_are_tried_mirrored(void)
 {
     test_rng rng = test_seed(105);
@@ -601,8 +606,8 @@ static void test_neither_a_plane_nor_right_points_near_by_are_tried_mirrored(voi
 
 /* ---- seeds of an odd kind ------------------------------------------------------ */
 
-/* The points of a cross, all of one bar seen left and all of the other seen right: in no
- * direction do pixels go with points. */
+/* The points of a cross. All points of one bar are seen on the left, all of the other on
+ * the right. So the pixels fit the points in no direction. */
 static void test_an_image_that_does_not_go_with_the_target_has_no_start(void)
 {
     test_problem p;

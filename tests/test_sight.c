@@ -1,5 +1,5 @@
-/* sight: what one camera saw of a point: its ray, its derivatives, and what the calibration
- * adds to the covariance of two views. */
+/* sight: what one camera saw of a point: its ray, its derivatives, and what the error of
+ * the calibration adds to the covariance of two views. */
 #include <math.h>
 #include <string.h>
 
@@ -35,7 +35,8 @@ static void see(const double camera[15], const double ypr[3], const double t[3],
     test_to_real(seen.uv, uv, 2);
 }
 
-/* Of a pinhole, of mild lenses and of others, which are sought with more care. */
+/* For a pinhole, for mild lenses, and for other lenses, whose rays take a more careful
+ * search. */
 static void test_the_ray_points_to_what_was_seen(void)
 {
     test_rng rng = test_seed(641);
@@ -76,8 +77,8 @@ static void test_where_a_lens_images_nothing_the_ray_is_zero(void)
     }
 }
 
-/* Near where a lens turns back the short search ends too early, and the long one goes on:
- * x - x^3 / 3, which turns back at 1. */
+/* Near the place where a lens turns back, the short search ends too early, and the long one
+ * continues. The lens is x - x^3 / 3, which turns back at 1. */
 static void test_a_ray_near_the_end_of_a_lens_is_found(void)
 {
     static const double ypr[3] = {0, 0, 0}, t[3] = {0, 0, 0}, X[3] = {0, 0, 1};
@@ -94,8 +95,8 @@ static void test_a_ray_near_the_end_of_a_lens_is_found(void)
     }
 }
 
-/* The point on the other branch of a lens that turns back: it has the pixel, and is not
- * what was seen. */
+/* The point on the other branch of a lens that folds. It has the same pixel, but it was not
+ * seen. */
 static void test_a_point_beyond_the_lens_is_not_seen(void)
 {
     static const double ypr[3] = {0, 0, 0}, t[3] = {0, 0, 0}, X[3] = {0.5, 0, 1};
@@ -120,8 +121,8 @@ static void test_a_point_beyond_the_lens_is_not_seen(void)
     ASSERT_STATUS(RIGCAL_OK, rc_sight_move(&v, &s, 0, there));
 }
 
-/* More than a right angle from what was seen a point is seen too, if it is before the
- * camera. */
+/* A point that is more than a right angle from the observed ray is seen too, if it is in
+ * front of the camera. */
 static void test_a_point_across_the_image_is_seen(void)
 {
     static const double ypr[3] = {0, 0, 0}, t[3] = {0, 0, 0}, X[3] = {2, 0, 1};
@@ -137,8 +138,8 @@ static void test_a_point_across_the_image_is_seen(void)
     ASSERT_STATUS(RIGCAL_ERR_BEHIND, rc_sight_evaluate(&v, &s, 0, behind));
 }
 
-/* C = B_a Sigma_ab B_b^T, element by element, of cameras in any order, one camera twice,
- * and held ones. */
+/* C = B_a Sigma_ab B_b^T, element by element, for cameras in any order, for one camera
+ * twice, and for held ones. */
 static void test_blocks_are_the_products(void)
 {
     enum { FREE = 18 };

@@ -1,5 +1,6 @@
-/* small: the library with all left out that may be (rigcal_config_small.h), built here in
- * place of the whole one: what is gone is refused by name, the rest is as it was. */
+/* small: the library with all optional parts left out (rigcal_config_small.h), built here
+ * in place of the full one. What is missing is refused with a status that names it; the
+ * rest works as before. */
 #include <math.h>
 
 #include "test_support.h"
@@ -49,7 +50,7 @@ static void test_three_different_points_are_too_few(void)
     ASSERT_STATUS(RIGCAL_ERR_TOO_FEW, solve(&p, 4, NULL));
 }
 
-/* Rays of 80 degrees or more off the axis want poses of three points. */
+/* Rays of 80 degrees or more off the axis need the poses of three points. */
 static void test_a_ray_80_degrees_off_the_axis_is_refused_by_name(void)
 {
     enum { POINTS = 6, WIDEST = 4 };
@@ -121,7 +122,7 @@ static void test_other_poses_are_found_as_ever(void)
     }
 }
 
-/* Which still takes points by threes. */
+/* The robust search still takes three points at a time. */
 static void test_wrong_points_are_told(void)
 {
     test_rng rng = test_seed(504);
@@ -140,7 +141,8 @@ static void test_wrong_points_are_told(void)
     TEST_ASSERT_EQUAL_INT(0, inliers[7]);
 }
 
-/* The pose no longer looks for a mirror. Its own error and the diagnosis still tell. */
+/* The pose no longer looks for mirrored points. Its error and the diagnosis still show
+ * them. */
 static void test_mirrored_coordinates_are_still_told(void)
 {
     enum { POINTS = 10 };

@@ -1,6 +1,6 @@
-/* Sources of views that fail, or that say something else the second time: every function
- * that reads views, and each of its calls. What a source says is returned, and nothing that
- * a source says is an index before it is checked. */
+/* Sources of views that fail, or that give something else the second time: for every
+ * function that reads views, and each of its calls. The status of a source must be
+ * returned. A number from a source must be checked before it is used as an index. */
 #include <string.h>
 
 #include "rigcal_solvers.h"
@@ -8,7 +8,7 @@
 
 enum { CAMERAS = 4, PLACES = 6, SEEN = 3, VIEWS = PLACES * SEEN, WRONG = 7 };
 
-/* What a source does at the call `at`. */
+/* What a source does at call number `at`. */
 enum {
     FAILS,
     CAMERA_BELOW,
@@ -252,8 +252,8 @@ static rigcal_status finds_faults(void)
 
 /* ---- the trial of each --------------------------------------------------------- */
 
-/* The view WRONG is turned; it has a second pose. is_adjusted: the rig is adjusted, that
- * view left out. */
+/* The view WRONG is turned and has a second pose. is_adjusted: the rig was adjusted without
+ * that view. */
 static void make(int seen, int is_adjusted, int has_clocks)
 {
     test_rng rng = test_seed(4000);
@@ -298,8 +298,8 @@ static void make(int seen, int is_adjusted, int has_clocks)
     before = b;
 }
 
-/* Calls `function` again and again; of its calls to a source one goes wrong, each in turn,
- * or where there are many some. */
+/* Calls `function` again and again. In each run another one of its calls to a source goes
+ * wrong; if there are many calls, only some. */
 static void try_all(rigcal_status (*function)(void))
 {
     size_t n;
@@ -357,7 +357,7 @@ static void test_sources_of_a_judgement(void)
     before.choice.second_source = b.choice.second_source = next_second;
     before.choice.takes[WRONG] = b.choice.takes[WRONG] = RIGCAL_TAKES_SECOND;
     try_all(judges);
-    make(2, 0, 0); /* of two views that disagree none is left */
+    make(2, 0, 0); /* two views disagree, so none is left */
     try_all(judges);
 }
 

@@ -1,5 +1,5 @@
-/* spans: the columns to search, for every row of an image. The truth: every pixel of the
- * image is tried. */
+/* spans: the columns to search in every row of an image. The truth: every pixel of the
+ * image is tested. */
 #include <math.h>
 #include <string.h>
 
@@ -13,7 +13,7 @@ static uint8_t is_seen[PIXELS], is_in[PIXELS], is_found[PIXELS], is_close[PIXELS
 static rigcal_spans_solver solver;
 static rigcal_span spans[SPANS_MAX];
 
-/* A pixel so near to the border that rounding decides. */
+/* A pixel this close to the border depends on rounding. */
 #define CLOSE TOL(1e-7, 2e-3)
 
 /* ---- brute force ----------------------------------------------------------- */
@@ -27,7 +27,7 @@ static void see_pixels(const rigcal_camera *camera)
     }
 }
 
-/* The pixels that are in the band, and those that the spans have. */
+/* Marks the pixels that are in the band, and those in the spans. */
 static void mark(const test_bands *scene, size_t n)
 {
     const int32_t width = scene->b.width, count = width * scene->b.height;
@@ -51,8 +51,8 @@ static void mark(const test_bands *scene, size_t n)
     }
 }
 
-/* Every pixel of the band is in one span, and every span has at most one more at each
- * end. */
+/* Every pixel of the band must be in a span, and a span may have at most one more pixel at
+ * each end. */
 static void assert_spans(const rigcal_camera *camera, size_t n)
 {
     const int32_t width = camera->width;
@@ -88,7 +88,7 @@ static size_t find(const rigcal_band *band)
     return status == RIGCAL_OK ? n : 0;
 }
 
-/* Compares the spans of random bands with brute force. `half` is the most of their half
+/* Compares the spans of random bands with tests of all pixels. `half` is the largest half
  * width, as a part of the focal length; 0: as test_bands_random makes them. */
 static void look_at_bands(int kind, uint64_t seed, double half)
 {
@@ -131,7 +131,7 @@ static void test_spans_hold_the_band_and_at_most_a_pixel_more_at_each_end(void)
     }
 }
 
-/* A border of a wide band leaves the image long before the other one. */
+/* One border of a wide band leaves the image long before the other. */
 static void test_spans_hold_bands_of_half_a_focal_length(void)
 {
     enum { CAMERAS = 24 };
@@ -146,8 +146,8 @@ static void test_spans_hold_bands_of_half_a_focal_length(void)
 
 static rigcal_camera camera;
 
-/* b is 1 to the right of a, both the same pinhole: lines are rows. sigma_b is all there
- * is: the band is 2 k sigma_b wide. */
+/* Camera b is 1 to the right of a, and both are the same pinhole, so lines are rows.
+ * sigma_b is the only noise: the band is 2 k sigma_b wide. */
 static void beside(rigcal_band *band, double v, double sigma_b, double near_a, double far_a)
 {
     static const double t[3] = {-1, 0, 0};
@@ -174,8 +174,7 @@ static void test_a_level_band_has_level_spans(void)
 {
     rigcal_band band;
 
-    beside(&band, 30, 0.7, 0,
-           0); /* rows 28.6 to 31.4; all that is nearer is further left */
+    beside(&band, 30, 0.7, 0, 0); /* rows 28.6 to 31.4; nearer points are farther left */
     TEST_ASSERT_EQUAL_UINT64(3, find(&band));
     for (int k = 0; k < 3; k++) {
         TEST_ASSERT_EQUAL_INT32(29 + k, spans[k].row);
@@ -184,7 +183,7 @@ static void test_a_level_band_has_level_spans(void)
     }
 }
 
-/* u = 40 - 50 / Z, 40 being straight ahead of a. */
+/* u = 40 - 50 / Z; 40 is straight ahead of a. */
 static void test_a_depth_range_ends_the_spans(void)
 {
     rigcal_band band;

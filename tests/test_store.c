@@ -1,6 +1,6 @@
-/* store: a calibration as bytes and back. The bytes expected were made by Python's
- * struct and zlib (tests/vectors); what is refused is tried in full: every length
- * too short, every bit flipped. */
+/* store: a calibration as bytes and back. The expected bytes were made by Python's struct
+ * and zlib (tests/vectors). Refusals are tested completely: every length that is too short,
+ * and every flipped bit. */
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
@@ -90,7 +90,7 @@ static void put_u32(uint8_t *at, uint32_t x)
     }
 }
 
-/* The CRC bit by bit, from its definition. */
+/* The CRC computed bit by bit, from its definition. */
 static uint32_t plain_crc(const uint8_t bytes[], size_t n)
 {
     uint32_t crc = 0xffffffff;
@@ -103,7 +103,7 @@ static uint32_t plain_crc(const uint8_t bytes[], size_t n)
     return ~crc;
 }
 
-/* Makes the CRCs hold again after the bytes were changed on purpose. */
+/* Corrects the CRCs after the bytes were changed on purpose. */
 static void seal(uint8_t bytes[], size_t n)
 {
     put_u32(bytes + 24, plain_crc(bytes + 32, n - 32));
@@ -137,8 +137,8 @@ static void put_number(uint8_t *at, double x, int real_bytes)
     }
 }
 
-/* Loading exactly these bytes, in a block of memory that ends where they do, is
- * refused with `expected`, or with any status of damage (0), and writes nothing. */
+/* Loads exactly these bytes, from memory that ends where they do. It must refuse them with
+ * `expected`, or with any status of damage (0), and write nothing. */
 static rigcal_status assert_refused(rigcal_status expected, const uint8_t bytes[], size_t n)
 {
     rigcal_mounted_camera cameras[N];
@@ -215,8 +215,8 @@ static void test_those_bytes_are_loaded_as_the_calibration(void)
     TEST_ASSERT_EQUAL_INT32(OWN_REAL, info.real_bytes);
 }
 
-/* A float build rounds what a double build stored: that is what `calibration` is.
- * A double build has floats, but for the rotation, which is the nearest to them. */
+/* A float build rounds what a double build stored; the result is `calibration`. A double
+ * build gets the floats, except for the rotation, which is the nearest rotation to them. */
 static void test_the_bytes_of_the_other_precision_are_loaded_too(void)
 {
     rigcal_mounted_camera cameras[N];
@@ -252,7 +252,7 @@ static void test_the_bytes_of_the_other_precision_are_loaded_too(void)
 
 /* ---- there and back ------------------------------------------------------ */
 
-/* A A^T of a random A, which may have a row of zeros. */
+/* A A^T for a random A, which may have a row of zeros. */
 static void random_covariance(rigcal_real Sigma[36], test_rng *rng)
 {
     const int zero = (int)test_uniform(rng, 0, 12);
@@ -334,7 +334,8 @@ static void test_what_was_saved_is_loaded_bit_by_bit(void)
     }
 }
 
-/* A covariance, 4 on the diagonal and 1 beside it, of which two elements are changed. */
+/* A covariance with 4 on the diagonal and 1 elsewhere, of which two elements are
+ * changed. */
 static void test_what_is_no_covariance_is_not_saved(void)
 {
     static const struct {
@@ -344,13 +345,14 @@ static void test_what_is_no_covariance_is_not_saved(void)
     } CASES[] = {
         {{0, 0}, {4, 4}, RIGCAL_OK},
         {{6, 1}, {1.0000000001, 1}, RIGCAL_OK}, /* rounding */
-        {{6, 1}, {4, 4}, RIGCAL_ERR_RANGE},     /* 1, unlike with a third */
+        {{6, 1}, {4, 4}, RIGCAL_ERR_RANGE},     /* 0 instead of 1, inconsistent with a third
+                                                   unknown */
         {{6, 1}, {1, -5}, RIGCAL_ERR_RANGE},    /* not symmetric */
         {{6, 1}, {5, 5}, RIGCAL_ERR_RANGE},     /* a correlation above 1 */
         {{6, 1}, {1e30, 1e30}, RIGCAL_ERR_RANGE},
         {{7, 7}, {0, 0}, RIGCAL_ERR_RANGE}, /* covariance without variance */
         {{35, 35}, {-1, -1}, RIGCAL_ERR_RANGE},
-        {{35, 35}, {1e-3, 1e-3}, RIGCAL_ERR_RANGE}, /* indefinite together */
+        {{35, 35}, {1e-3, 1e-3}, RIGCAL_ERR_RANGE}, /* not definite together */
     };
     uint8_t bytes[RIGCAL_STORE_SIZE(1)];
     size_t n;
@@ -409,7 +411,7 @@ static void test_a_covariance_that_is_not_known_is_not_read(void)
         TEST_ASSERT_EQUAL_DOUBLE(0, D(loaded.Sigma[i]));
     }
     TEST_ASSERT_EQUAL_INT32(0, loaded.has_Sigma);
-    /* Not even where the bytes hold one. */
+    /* Nor is it if the bytes contain a covariance. */
     put_number(bytes + n - OWN_REAL, test_nan(), OWN_REAL);
     seal(bytes, n);
     ASSERT_STATUS(RIGCAL_OK, rigcal_store_load(&loaded, 1, &info, bytes, n));
@@ -418,8 +420,9 @@ static void test_a_covariance_that_is_not_known_is_not_read(void)
 
 /* ---- numbers of the other precision -------------------------------------- */
 
-/* The eight coefficients of Brown's lens may be any numbers within 1e9, a variance any that
- * is not negative: they carry some through the other precision's bytes. */
+/* The eight coefficients of Brown's lens may be any numbers within 1e9, a variance any
+ * number that is not negative. So they can carry numbers through the bytes of the other
+ * precision. */
 enum {
     CARRIED = 8,
     COEFFICIENTS_AT = 32 + 16 + 4 * OTHER_REAL,
@@ -449,13 +452,13 @@ static double double_of_bits(uint64_t bits)
     return x;
 }
 
-/* x rounds to a float, or to no finite one. */
+/* Whether x rounds to a finite float. */
 static int fits_a_float(double x)
 {
     return fabs(x) < ldexp(1.0 - ldexp(1, -25), 128);
 }
 
-/* A number too large for a coefficient, as the only variance. */
+/* Carries a number that is too large for a coefficient, as the only variance. */
 static void carry_as_variance(double x)
 {
     static uint8_t bytes[sizeof other];
@@ -501,15 +504,15 @@ static void carry_as_float(double x)
     }
     ASSERT_STATUS(RIGCAL_OK, carried(seen));
     for (int i = 0; i < CARRIED; i++) {
-        const float expected = (float)collected[i]; /* the machine's rounding */
+        const float expected = (float)collected[i]; /* rounded by this machine */
 
         TEST_ASSERT_TRUE(same_bits(&expected, &seen[i], sizeof expected));
     }
     n_collected = 0;
 }
 
-/* Every exponent; no digits, all digits, a tie with an odd and with an even
- * neighbour, a little more and less than those, any digits. */
+/* Every exponent, with: no digits, all digits, a tie with an odd and with an even
+ * neighbour, slightly more and less than these, random digits. */
 static void test_a_float_build_rounds_doubles_to_nearest(void)
 {
     test_rng rng = test_seed(42);
@@ -520,7 +523,7 @@ static void test_a_float_build_rounds_doubles_to_nearest(void)
         const uint64_t tie = drop <= 52 ? UINT64_C(1) << (drop - 1) : 0;
 
         if (exponent > 1152 && exponent % 128 != 0 && exponent < 2046) {
-            continue; /* far too large, all alike */
+            continue; /* far too large; all are alike */
         }
         for (int k = 0; k < 24; k++) {
             const uint64_t some = test_next(&rng);
@@ -557,7 +560,7 @@ static void test_a_double_build_takes_floats_as_they_are(void)
                 ASSERT_STATUS(RIGCAL_ERR_CAMERA, carried(seen));
             } else {
                 ASSERT_STATUS(RIGCAL_OK, carried(seen));
-                /* Exact: the same number, and the same sign of a zero. */
+                /* Exact: the same number, and a zero has the same sign. */
                 TEST_ASSERT_TRUE((double)x == D(seen[0]));
                 TEST_ASSERT_EQUAL_INT(signbit(x) != 0, signbit(seen[0]) != 0);
             }
@@ -565,8 +568,8 @@ static void test_a_double_build_takes_floats_as_they_are(void)
     }
 }
 
-/* The float build takes a rotation good to 1e-3; the double build mends it, but does
- * not take for one what the float build would not. */
+/* The float build accepts a rotation that is right to 1e-3. The double build corrects it,
+ * but refuses what the float build would refuse. */
 static void test_a_rotation_of_floats_is_mended_within_their_tolerance(void)
 {
     const int R_at = 32 + 16 + 12 * 4;
@@ -624,8 +627,8 @@ static void test_every_single_bit_flipped_is_refused(void)
     flip_every_bit(other, sizeof other);
 }
 
-/* In a page with room for more, where a count or a length too great would reach
- * bytes that are there. */
+/* In a page with room for more, so that a count or length that is too large would reach
+ * bytes that exist. */
 static void test_every_bit_flipped_in_an_erased_page_is_refused(void)
 {
     static uint8_t page[PAGE];
@@ -746,12 +749,12 @@ static void test_another_version_or_precision_is_named(void)
     assert_refused(RIGCAL_ERR_DAMAGED, own, sizeof own);
 }
 
-/* With a CRC that holds, which chance does not make but a mistaken tool may. */
+/* With a right CRC. Chance does not produce that, but a wrong tool may. */
 static void test_counts_that_do_not_fit_the_length_are_damage(void)
 {
     static const uint32_t COUNTS[] = {0, 1, N - 1, N + 1, 65535, 65536, 0x7fffffff,
                                       0x80000000, UINT32_MAX,
-                                      /* whose length in 32 bits is that of N */
+                                      /* its length is that of N, modulo 2^32 */
                                       N + 0x40000000u};
 
     for (size_t i = 0; i < sizeof COUNTS / sizeof COUNTS[0]; i++) {
@@ -762,7 +765,7 @@ static void test_counts_that_do_not_fit_the_length_are_damage(void)
     put_u32(own + 8, 0);
     put_u32(own + 20, 32);
     seal(own, sizeof own);
-    put_u32(own + 24, plain_crc(own, 0)); /* of no cameras at all */
+    put_u32(own + 24, plain_crc(own, 0)); /* without any camera */
     put_u32(own + 28, plain_crc(own, 28));
     assert_refused(RIGCAL_ERR_DAMAGED, own, sizeof own);
     put_u32(own + 8, N);
@@ -779,7 +782,7 @@ static void refuses_number(rigcal_status expected, size_t at, double x, int real
     const size_t size = 32 + N * (size_t)(16 + 45 * real_bytes);
     uint8_t kept[8];
 
-    /* In the second camera, so that the first would have been written. */
+    /* In the second camera; so the first could have been written before. */
     at = 32 + (size_t)(16 + 45 * real_bytes) + 16 + at * (size_t)real_bytes;
     memcpy(kept, bytes + at, sizeof kept);
     put_number(bytes + at, x, real_bytes);
@@ -836,7 +839,7 @@ static void test_integers_that_no_function_takes_are_not_loaded(void)
         memcpy(kept, own + second + BAD[i].at, 4);
         put_u32(own + second + BAD[i].at, BAD[i].value);
         seal(own, sizeof own);
-        /* The last: a fisheye with coefficients that only Brown's lens has. */
+        /* The last case: a fisheye with coefficients that only Brown's lens has. */
         assert_refused(BAD[i].status, own, sizeof own);
         memcpy(own + second + BAD[i].at, kept, 4);
     }

@@ -1,6 +1,6 @@
-/* store: a calibrated rig, with its joint covariance, as bytes and back. The bytes expected
- * were made by Python's struct and zlib (tests/vectors). Those of the older form, which has
- * none, load too. */
+/* store: a calibrated rig with its joint covariance, as bytes and back. The expected bytes
+ * were made by Python's struct and zlib (tests/vectors). Bytes of the older form, without a
+ * joint covariance, load too. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -25,7 +25,7 @@ enum {
     OLD_BYTES = 32 + N * (16 + 45 * OWN_REAL)
 };
 
-/* A rig in memory of its own. */
+/* A rig with its own memory. */
 typedef struct {
     rigcal_mounted_camera cameras[N];
     int32_t group[N];
@@ -116,15 +116,15 @@ static void put_real(uint8_t *at, double value)
     (void)rc_put_reals(at, &x, 1);
 }
 
-/* Makes the CRCs hold again after the bytes were changed on purpose. */
+/* Corrects the CRCs after the bytes were changed on purpose. */
 static void seal(uint8_t bytes[], size_t n)
 {
     put_u32(bytes + 24, rc_crc32(bytes + 32, n - 32));
     put_u32(bytes + 28, rc_crc32(bytes, 28));
 }
 
-/* Loading exactly these bytes is refused, as a rig and as cameras, and nothing is written.
- * expected: 0 for any status of damage. */
+/* Loads exactly these bytes, as a rig and as cameras. Both must refuse them and write
+ * nothing. expected: 0 for any status of damage. */
 static void assert_refused(rigcal_status expected, const uint8_t bytes[], size_t n)
 {
     static memory m;
@@ -175,7 +175,8 @@ static void assert_same_rig(const rigcal_calibrated_rig *expected,
     }
 }
 
-/* Of cameras loaded from bytes of the rig: each has its block of the joint covariance. */
+/* Cameras that were loaded from bytes of the rig: each must have its block of the joint
+ * covariance. */
 static void assert_own_covariances(const rigcal_mounted_camera cameras[])
 {
     size_t first = 0;
@@ -214,7 +215,7 @@ static void test_a_rig_is_saved_as_the_bytes_that_python_packs(void)
     size_t n = 77;
 
     memset(bytes, 0x5a, sizeof bytes);
-    saved.cameras[1].Sigma[3] = TEST_NAN; /* which is not read */
+    saved.cameras[1].Sigma[3] = TEST_NAN; /* this number is not read */
     ASSERT_STATUS(RIGCAL_OK,
                   rigcal_store_save_rig(bytes, OWN_BYTES, &n, &rig, sequence, tag));
     TEST_ASSERT_EQUAL_size_t(OWN_BYTES, n);
@@ -239,7 +240,7 @@ static void test_those_bytes_are_loaded_as_the_rig(void)
     TEST_ASSERT_EQUAL_INT32(FREE, info.n_free);
     TEST_ASSERT_EQUAL_INT32(OWN_BYTES, info.n_bytes);
     TEST_ASSERT_EQUAL_INT32(OWN_REAL, info.real_bytes);
-    /* A board that needs no cross terms asks for the cameras. */
+    /* A board that needs no cross terms loads only the cameras. */
     FILL(cameras);
     ASSERT_STATUS(RIGCAL_OK, rigcal_store_load(cameras, N, &info, own, sizeof own));
     assert_own_covariances(cameras);
@@ -276,7 +277,7 @@ static void test_the_bytes_of_the_other_precision_are_loaded_too(void)
     ASSERT_NEAR(1234, loaded.freedom_within, 0);
 }
 
-/* The older form: STORE_DOUBLE and STORE_FLOAT are the bytes of version 0.1.0. */
+/* The older form. STORE_DOUBLE and STORE_FLOAT are bytes of version 0.1.0. */
 static void test_bytes_of_the_older_form_are_loaded_without_a_joint_covariance(void)
 {
     uint8_t old[OLD_BYTES];
@@ -317,7 +318,8 @@ static void test_bytes_of_the_older_form_are_loaded_without_a_joint_covariance(v
 
 /* ---- a rig that was adjusted ---------------------------------------------- */
 
-/* Pairs and covariances of what was loaded are those of the adjusted rig, which is gone. */
+/* Pairs and covariances of the loaded rig must be those of the adjusted rig, which no
+ * longer exists. */
 static void test_pairs_of_the_loaded_rig_are_those_of_the_adjusted_one(void)
 {
     enum { CAMERAS = 4, LOADED_REALS = RIGCAL_CALIBRATED_SIZE(CAMERAS - 1) };
@@ -407,7 +409,7 @@ static void test_every_single_bit_flipped_is_refused(void)
     }
 }
 
-/* The writing stopped after any number of bytes: over erased flash, and over the bytes of
+/* The writing stopped after any number of bytes, over erased flash and over the bytes of
  * another rig. */
 static void test_every_torn_write_is_refused(void)
 {
@@ -444,7 +446,7 @@ static void test_counts_that_do_not_fit_the_length_are_damage(void)
         assert_refused(RIGCAL_ERR_DAMAGED, own, sizeof own);
     }
     put_u32(own + 8, N);
-    for (size_t c = 0; c < N; c++) { /* one more or less that is held */
+    for (size_t c = 0; c < N; c++) { /* one camera more or less is held */
         uint8_t *at = own + CAMERAS_AT + c * STRIDE + 12;
 
         *at ^= 1;
@@ -545,7 +547,7 @@ static void test_integers_that_no_function_takes_are_not_loaded(void)
     }
 }
 
-/* The block of a camera whose correlations are all below 1, yet which is indefinite. */
+/* The block of a camera whose correlations are all below 1, but which is indefinite. */
 static void make_indefinite(rigcal_real Sigma[])
 {
     for (size_t i = 6; i < 12; i++) {

@@ -1,5 +1,5 @@
-/* tag: corners as a camera sees them in known poses, and corners that no upright tag
- * seen from the front can show. */
+/* tag: corners as a camera sees them in known poses, and corners that no upright tag can
+ * have that is seen from the front. */
 #include <math.h>
 #include <string.h>
 
@@ -16,11 +16,11 @@ typedef struct {
     rigcal_real uv[8];
 } sight;
 
-/* A tag of `size`, its front turned to the camera by at most `tilt` off the line of
- * sight, anyhow in the image. */
+/* A tag of `size` anywhere in the image. Its front faces the camera to within `tilt` of the
+ * line of sight. */
 static void random_sight(sight *s, test_rng *rng, double size, double tilt)
 {
-    /* y down and z forward, as the camera has them, of a tag that is read upright */
+    /* axes of a tag that is read upright; the camera's y is down and its z forward */
     static const double UPRIGHT[9] = {1, 0, 0, 0, -1, 0, 0, 0, -1};
     const double way = test_uniform(rng, -TEST_PI, TEST_PI);
     const double axis[3] = {cos(way), sin(way), 0};
@@ -70,7 +70,7 @@ static void test_the_pose_of_a_tag_in_the_unit_of_its_size(void)
         for (int k = 0; k < 3; k++) {
             ASSERT_NEAR(s.t[k], t[k], TOL(1e-8, 3e-3) * test_norm(s.t));
         }
-        for (size_t i = 0; i < n; i++) { /* each sees the front */
+        for (size_t i = 0; i < n; i++) { /* each pose must see the front */
             test_transform_parts(R, t, &poses[i].cam_from_world);
             TEST_ASSERT_TRUE(R[2] * t[0] + R[5] * t[1] + R[8] * t[2] < 0);
         }
@@ -110,7 +110,7 @@ static void test_it_is_solve_pose_of_these_four_points(void)
     TEST_ASSERT_GREATER_THAN_INT(TEST_TRIALS(150), both);
 }
 
-/* The other way round: what AprilTag calls p[0] to p[3], or a flipped image. */
+/* The corners in reverse order: as AprilTag's p[0] to p[3], or in a flipped image. */
 static void test_corners_the_wrong_way_round_are_mirrored(void)
 {
     test_rng rng = test_seed(3);
@@ -136,7 +136,7 @@ static void test_corners_the_wrong_way_round_are_mirrored(void)
     }
 }
 
-/* Corners that start elsewhere are a tag turned by right angles. */
+/* If the corners begin at another one, the tag is turned by right angles. */
 static void test_another_first_corner_is_a_turned_tag(void)
 {
     test_rng rng = test_seed(4);
@@ -185,8 +185,8 @@ static void test_what_is_no_tag_is_refused_by_name(void)
                      RIGCAL_OK);
 }
 
-/* A tag anywhere in a wide image, its front or its back to the camera. The side is that of
- * the true pose; the optical axis says nothing of it. */
+/* A tag anywhere in a wide image, with its front or its back to the camera. The true pose
+ * decides which side is seen; the optical axis does not. */
 static void test_the_side_is_that_of_the_line_of_sight(void)
 {
     test_rng rng = test_seed(6);
@@ -235,7 +235,8 @@ static void test_the_side_is_that_of_the_line_of_sight(void)
     TEST_ASSERT_GREATER_THAN_INT(TEST_TRIALS(400), back);
 }
 
-/* Whether the camera is before the tag: its centre is at -R^T t, and z is ahead. */
+/* Whether the camera is in front of the tag: its centre is at -R^T t, and z points
+ * forward. */
 static int is_before(const rigcal_transform *cam_from_tag)
 {
     double R[9], t[3];
@@ -244,8 +245,8 @@ static int is_before(const rigcal_transform *cam_from_tag)
     return R[2] * t[0] + R[5] * t[1] + R[8] * t[2] < 0;
 }
 
-/* Corners that are mostly noise fit poses seen from both sides. Those from the front are
- * what is left of them. */
+/* Corners that are mostly noise fit poses seen from both sides. Only those seen from the
+ * front are returned. */
 static void test_of_poses_from_both_sides_those_from_the_front_are_kept(void)
 {
     test_rng rng = test_seed(9);

@@ -1,6 +1,6 @@
 /* target: views of a target that is carried about, and of one that stays. The truth: the
- * joint least squares with the target's own unknowns, dense and in double; simulated rigs.
- * */
+ * joint least squares with the target's own unknowns, dense and in double; also simulated
+ * rigs. */
 #include <math.h>
 #include <string.h>
 
@@ -15,7 +15,7 @@ static double X_w[POINTS][3];
 
 #define WANTS_RIG() TEST_WANTS_RAM(sizeof w + 30000)
 
-/* A target of points in a box, 2.5 before the cameras. */
+/* A target with points in a box, 2.5 in front of the cameras. */
 static void hang(test_rng *rng, double shift)
 {
     watched_pose *const pose = &w.truth[w.n_cameras];
@@ -35,7 +35,7 @@ static void hang(test_rng *rng, double shift)
     }
 }
 
-/* Two cameras that are watched, and a target that they do not know yet. */
+/* Begins a monitor of two cameras, and a target that it does not know yet. */
 static void begin_pair(test_rng *rng)
 {
     test_watched_make(&w, rng, 2, 1, 0.05 * DEGREE, 2e-3);
@@ -144,7 +144,7 @@ static void invert(double inverse[JOINT][JOINT], double x[JOINT], double A[JOINT
     }
 }
 
-/* The noise of the pixels is so small that nothing is curved; what is stated is not. */
+/* The true noise of the pixels is so small that all is linear. The stated noise is not. */
 static void test_rows_of_a_placement_give_the_joint_least_squares(void)
 {
     const double tiny = TOL(1e-5, 1e-2);
@@ -357,7 +357,7 @@ static void test_views_that_cannot_be_are_refused_and_change_nothing(void)
     TEST_ASSERT_EQUAL_MEMORY(kept, w.monitor, sizeof kept);
 }
 
-/* A target without a place: it has no pose, no share, and is blind; it is no camera. */
+/* A target without a place has no pose and no share, and is blind. It is not a camera. */
 static void test_a_target_without_a_place_has_no_report(void)
 {
     test_rng rng = test_seed(201);
@@ -377,7 +377,7 @@ static void test_a_target_without_a_place_has_no_report(void)
     ASSERT_REFUSED(RIGCAL_ERR_RANGE, m, rigcal_monitor_camera(&m, w.monitor, 2));
 }
 
-/* Of a square that is far away, two poses fit. */
+/* A square far away has two poses that fit. */
 static void test_a_view_of_two_poses_places_nothing(void)
 {
     static const double SIDE[4][2] = {{-1, 1}, {1, 1}, {1, -1}, {-1, -1}};
@@ -407,8 +407,8 @@ static void test_a_view_of_two_poses_places_nothing(void)
     ASSERT_STATUS(RIGCAL_ERR_RANGE, rigcal_monitor_pair(&b_from_a, Sigma, w.monitor, 0, 2));
 }
 
-/* Seen from the danger cylinder of its three points a target has two poses, or one that
- * its view hardly fixes; to rounding some have no covariance. */
+/* A target of three points is seen from their danger cylinder. It has two poses, or one
+ * that the view hardly fixes. Some of these have no covariance, to rounding. */
 static void test_a_pose_without_a_covariance_places_nothing(void)
 {
     test_rng rng = test_seed(204);
@@ -445,8 +445,8 @@ static void test_a_pose_without_a_covariance_places_nothing(void)
     TEST_ASSERT_TRUE(n_refused > 0);
 }
 
-/* While an alarm waits for its answer the cameras' poses are in doubt, and a target's place
- * would be too. */
+/* While an alarm waits for its answer the poses of the cameras are in doubt, so a target
+ * gets no place. */
 static void test_a_target_gets_no_place_while_an_alarm_waits(void)
 {
     const watched_matches like = {60, 0.3, 0, 0};
@@ -473,7 +473,7 @@ static void test_a_target_gets_no_place_while_an_alarm_waits(void)
     show(0, &rng, 0);
 }
 
-/* A target that moved and then was lifted has no place to settle at. */
+/* A target that moved and was then lifted has no place at which to settle. */
 static void test_a_target_that_settles_may_be_lifted(void)
 {
     test_rng rng = test_seed(204);
@@ -487,7 +487,7 @@ static void test_a_target_that_settles_may_be_lifted(void)
     ASSERT_STATUS(RIGCAL_OK, rigcal_monitor_lifted(w.monitor, 0));
     ASSERT_STATUS(RIGCAL_ERR_RANGE, rigcal_monitor_pair(&b_from_a, Sigma, w.monitor, 0, 2));
     hang(&rng, -0.2);
-    show(0, &rng, 0); /* elsewhere, from its first view alone */
+    show(0, &rng, 0); /* at another place, by its first view alone */
     ASSERT_STATUS(RIGCAL_OK, rigcal_monitor_pair(&b_from_a, Sigma, w.monitor, 0, 2));
     const rigcal_transform expected = test_transform(w.truth[2].R, w.truth[2].t);
     ASSERT_TRANSFORM(&expected, &b_from_a, TOL(1e-6, 2e-3), TOL(1e-5, 5e-3));

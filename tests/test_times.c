@@ -1,4 +1,4 @@
-/* times: what is handed in of clocks, and the time of a view. The truth: made by hand. */
+/* times: the input of clocks, and the time of a view. The truth is made by hand. */
 #include "rc_times.h"
 #include "test_motions.h"
 
@@ -30,6 +30,21 @@ static void test_the_frame_is_the_middle_step(void)
     make(&SCENE, 120);
     ASSERT_STATUS(RIGCAL_OK, adjust(&fit));
     ASSERT_NEAR(1.0 / 30, m.clocks.frame, 1e-6);
+}
+
+/* Of steps of 1 to 8 hundredths of a second the middle is the fourth. */
+static void test_the_frame_is_the_median_of_steps_that_differ(void)
+{
+    WANTS_MOTIONS();
+    make(&SCENE, 123);
+    TEST_ASSERT_EQUAL_size_t(9, m.rig.n_placements);
+    for (int f = 0; f < 9; f++) {
+        m.times[f] = RC(0.01 * f * (f + 1) / 2);
+    }
+    m.rig.clocks = &m.clocks;
+    m.clocks.frame = 0;
+    ASSERT_STATUS(RIGCAL_OK, rc_times_check(&m.rig));
+    ASSERT_NEAR(0.04, m.clocks.frame, 1e-6);
 }
 
 static void test_offsets_in_frames(void)
@@ -71,13 +86,13 @@ static void test_times_must_rise(void)
     ASSERT_STATUS(RIGCAL_OK, adjust(&fit));
     TEST_ASSERT_EQUAL_INT32(RIGCAL_CLOCK_FREE, m.states[1]);
     m.times[4] = right;
-    for (int f = 0; f < 9; f++) { /* their rounding is more than their steps */
+    for (int f = 0; f < 9; f++) { /* their rounding is larger than their steps */
         m.times[f] = (rigcal_real)(TOL(1e14, 1e5) + f);
     }
     ASSERT_STATUS(RIGCAL_ERR_PRECISION, adjust(&fit));
 }
 
-/* Of times that are not known the middle is 0: clocks of such a rig do not drift. */
+/* If no times are known, their middle is 0, and the clocks do not drift. */
 static void test_the_middle_of_no_times_is_0(void)
 {
     WANTS_MOTIONS();
@@ -100,4 +115,5 @@ TEST_MAIN()
     RUN_TEST(test_offsets_in_frames);
     RUN_TEST(test_times_must_rise);
     RUN_TEST(test_the_middle_of_no_times_is_0);
+    RUN_TEST(test_the_frame_is_the_median_of_steps_that_differ);
 }

@@ -21,7 +21,7 @@ static rigcal_real uv[N][2];
 
 #define WANTS_RIG TEST_WANTS_RAM(sizeof(test_rig) + 16000)
 
-/* The memory of a calibrated rig, with nothing in it. */
+/* Clears the memory of a calibrated rig. */
 static void clear(void)
 {
     memset(&kept, 0, sizeof kept);
@@ -34,7 +34,7 @@ static void clear(void)
     kept.Sigma_capacity = RIGCAL_CALIBRATED_SIZE(FREE);
 }
 
-/* The pixels of X, exactly. */
+/* Computes the exact pixels of X. */
 static void see(void)
 {
     for (int c = 0; c < N; c++) {
@@ -46,7 +46,7 @@ static void see(void)
     }
 }
 
-/* A rig, adjusted, and a point that all see, exactly. */
+/* An adjusted rig, and a point that all cameras see exactly. */
 static void make(uint64_t seed)
 {
     test_rng rng = test_seed(seed);
@@ -84,7 +84,7 @@ static void test_an_exact_pair_shows_the_point(void)
     }
 }
 
-/* Derivative of (uv, X) by one pixel coordinate, or by one unknown of one camera. */
+/* The derivative of (uv, X) by one coordinate of a pixel, or by one unknown of a camera. */
 static void derivative(double d[5], int what, int camera, int k)
 {
     const double h = what == 0 ? TOL(1e-4, 0.5) : TOL(1e-7, 2e-3);
@@ -163,7 +163,7 @@ static void test_its_covariance_is_that_of_differences(void)
     }
 }
 
-/* To first order chi2 of the pair is that of its band. */
+/* To first order the chi2 of the pair is that of its band. */
 static void test_a_pair_that_is_off_has_the_chi2_of_its_band(void)
 {
     WANTS_RIG;
@@ -228,10 +228,10 @@ static void test_where_there_is_no_point_there_is_no_transfer(void)
     ASSERT_REFUSED(RIGCAL_DISCONNECTED, out,
                    rigcal_transfer_make(&out, &kept, ABC, uv[0], uv[1], NOISE));
     group[2] = 0;
-    cameras[2].cam_from_rig.t[2] -= 100; /* c has gone by */
+    cameras[2].cam_from_rig.t[2] -= 100; /* the point is behind camera c */
     ASSERT_REFUSED(RIGCAL_ERR_BEHIND, out,
                    rigcal_transfer_make(&out, &kept, ABC, uv[0], uv[1], NOISE));
-    cameras[1].cam_from_rig = cameras[0].cam_from_rig; /* a and b are one */
+    cameras[1].cam_from_rig = cameras[0].cam_from_rig; /* a and b are at the same place */
     ASSERT_REFUSED(RIGCAL_ERR_PARALLEL, out,
                    rigcal_transfer_make(&out, &kept, ABC, uv[0], uv[0], NOISE));
 }
@@ -258,8 +258,8 @@ static void test_each_argument_is_needed(void)
 
 /* ---- a Sigma that is no covariance ------------------------------------------------- */
 
-/* Three cameras of 1024 px that look along z: 0 is held, 1 is one to its left, 2 is
- * anywhere. 1 and 0 see (x, 0, 4); Sigma is 0. */
+/* Three cameras of 1024 px look along z. Camera 0 is held, 1 is one to its left, 2 is
+ * anywhere. Cameras 1 and 0 see (x, 0, 4). Sigma is 0. */
 static void stand(double x, const double t_c[3])
 {
     static const double t[2][3] = {{0, 0, 0}, {1, 0, 0}};
@@ -283,7 +283,7 @@ static void stand(double x, const double t_c[3])
     see();
 }
 
-/* The variance of an unknown of camera 1 or 2. */
+/* Sets the variance of an unknown of camera 1 or 2. */
 static void vary(int camera, int unknown, double variance)
 {
     const int i = 6 * (camera - 1) + unknown;
@@ -291,8 +291,8 @@ static void vary(int camera, int unknown, double variance)
     Sigma[i * (i + 1) / 2 + i] = RC(variance);
 }
 
-/* dt of camera 2 shifts its pixel alone; dt of camera 1 shifts the point: x and z by dt_x,
- * on the axis of camera 0 z alone, and y by dt_y. */
+/* The dt of camera 2 shifts only its pixel. The dt of camera 1 shifts the point: dt_x
+ * shifts x and z, on the axis of camera 0 only z; dt_y shifts y. */
 static void test_a_negative_variance_gives_no_transfer(void)
 {
     static const double aside[3] = {-1, 0, 0};
@@ -307,7 +307,7 @@ static void test_a_negative_variance_gives_no_transfer(void)
         stand(at[k].x, aside);
         ASSERT_STATUS(RIGCAL_OK,
                       rigcal_transfer_make(&out, &kept, ABC, uv[0], uv[1], NOISE));
-        if (at[k].camera == 1) { /* and the pixel of 2 is as unsure as can be */
+        if (at[k].camera == 1) { /* and the pixel of camera 2 has the largest variance */
             vary(2, 3, 1e9);
             vary(2, 4, 1e9);
         }
@@ -320,8 +320,8 @@ static void test_a_negative_variance_gives_no_transfer(void)
     }
 }
 
-/* A dt_x of camera 2 is 256 px, one of camera 1 is 4 in z: the variance of the pixel, or of
- * the point, is beyond the largest number. Camera 2 on the axis does not see z. */
+/* A dt_x of camera 2 is 256 px, one of camera 1 is 4 in z. So the variance of the pixel, or
+ * of the point, is beyond the largest number. On the axis, camera 2 does not see z. */
 static void test_a_variance_beyond_all_numbers_gives_no_transfer(void)
 {
     static const double aside[3] = {-1, 0, 0}, behind[3] = {0, 0, 1};
@@ -332,7 +332,7 @@ static void test_a_variance_beyond_all_numbers_gives_no_transfer(void)
     vary(2, 3, most / 8);
     ASSERT_REFUSED(RIGCAL_ERR_NOT_FINITE, out,
                    rigcal_transfer_make(&out, &kept, ABC, uv[0], uv[1], NOISE));
-    vary(2, 3, 0.75 * most / (256.0 * 256)); /* twice that is none */
+    vary(2, 3, 0.75 * most / (256.0 * 256)); /* twice that is not finite */
     ASSERT_REFUSED(RIGCAL_ERR_DEGENERATE, out,
                    rigcal_transfer_make(&out, &kept, ABC, uv[0], uv[1], NOISE));
     stand(0, behind);
@@ -341,8 +341,9 @@ static void test_a_variance_beyond_all_numbers_gives_no_transfer(void)
                    rigcal_transfer_make(&out, &kept, ABC, uv[0], uv[1], NOISE));
 }
 
-/* Pixels 1 above and 1 below the point, with noise of 1: weighed, they are 2. The variance
- * -2 / 256^2 of dt_y of camera 1, 256 px each, takes all of that away. */
+/* The pixels are 1 above and 1 below the point, with a noise of 1. So the variance of their
+ * residual is 2. dt_y of camera 1 moves its pixel by 256 px, so its variance of -2 / 256^2
+ * cancels that. */
 static void test_a_residual_without_variance_gives_no_transfer(void)
 {
     static const double behind[3] = {0, 0, 1};
@@ -366,13 +367,13 @@ static void test_a_candidate_beyond_all_numbers_has_no_chi2(void)
     rigcal_real chi2;
 
     memset(&out, 0, sizeof out);
-    out.Sigma[0] = RC(TOL(1e-100, 1e-10)); /* vv du^2 is beyond, as is chi2 in float */
+    out.Sigma[0] = RC(TOL(1e-100, 1e-10)); /* vv du^2 overflows, and in float chi2 too */
     out.Sigma[3] = RC(TOL(1e295, 1e25));
     ASSERT_REFUSED(RIGCAL_ERR_DEGENERATE, chi2, rigcal_transfer_test(&chi2, &out, 0, uv_c));
 }
 
-/* A point nearest to the ray of a lies behind b: b looks along x, and its ray passes 2
- * ahead of it, on the other side of the ray of a. */
+/* The point nearest to the ray of a is behind b: b looks along x, and its ray passes 2 in
+ * front of it, on the other side of the ray of a. */
 static void test_a_point_behind_b_gives_no_transfer(void)
 {
     static const double aside[3] = {-1, 0, 0};
@@ -391,7 +392,7 @@ static void test_a_point_behind_b_gives_no_transfer(void)
                    rigcal_transfer_make(&out, &kept, abc, uv[0], uv[1], NOISE));
 }
 
-/* A camera that knows nothing beside the other gives no depth. */
+/* A camera with almost no information beside the other gives no depth. */
 static void test_a_pair_of_one_camera_that_counts_has_no_depth(void)
 {
     static const double aside[3] = {-1, 0, 0};

@@ -1,4 +1,4 @@
-/* Rigid transforms: chained, turned round, applied, averaged; camera to camera. */
+/* Rigid transforms: chained, inverted, applied, averaged; camera to camera. */
 #include <math.h>
 #include <stddef.h>
 #include <string.h>
@@ -6,11 +6,11 @@
 #include "test_support.h"
 #include "vectors_transform.h"
 
-/* Entries of a rotation; lengths of order 10. */
+/* For entries of a rotation, and for lengths of order 10. */
 #define TOL_ENTRY TOL(1e-14, 2e-6)
 #define TOL_LENGTH TOL(3e-14, 1e-5)
 
-/* The same of a mean. */
+/* The same for a mean. */
 #define TOL_MEAN TOL(3e-14, 5e-6)
 #define TOL_MEAN_LENGTH TOL(2e-13, 5e-5)
 
@@ -56,8 +56,8 @@ static void test_the_inverse_of_a_known_transform(void)
     ASSERT_ARRAY_NEAR(t, back.t, 3, 0);
 }
 
-/* o = -R^T t: the camera's x is the world's -y, and it sees the world's
- * origin 10 ahead on its x, so it stands at 10 on the world's y. */
+/* o = -R^T t. The camera's x is the world's -y, and it sees the world's origin at 10 on its
+ * x axis. So it is at 10 on the world's y axis. */
 static void test_the_camera_centre_is_where_the_camera_is(void)
 {
     static const double expected[3] = {0, 10, 0};
@@ -142,7 +142,8 @@ static void test_chaining_with_nothing_changes_nothing(void)
     ASSERT_TRANSFORM(&T, &seen, TOL_ENTRY, TOL_LENGTH);
 }
 
-/* c_from_b * b_from_a = c_from_a, and round a loop of six cameras nothing. */
+/* c_from_b * b_from_a = c_from_a. Around a loop of six cameras the product is the
+ * identity. */
 static void test_camera_to_camera_closes_round_a_loop(void)
 {
     test_rng rng = test_seed(24);
@@ -172,7 +173,7 @@ static void test_a_camera_seen_from_itself_is_at_home(void)
     ASSERT_TRANSFORM(&NOTHING, &self, TOL_ENTRY, TOL_LENGTH);
 }
 
-/* Another world W': X = Q X' + s changes both poses and not b_from_a. */
+/* Another world W', with X = Q X' + s, changes both poses but not b_from_a. */
 static void test_camera_to_camera_does_not_depend_on_the_world(void)
 {
     test_rng rng = test_seed(26);
@@ -191,7 +192,7 @@ static void test_camera_to_camera_does_not_depend_on_the_world(void)
     }
 }
 
-/* A map projection's coordinates: easting, northing, height. */
+/* Coordinates of a map projection: easting, northing, height. */
 static void test_a_world_far_away_keeps_the_digits_that_are_left(void)
 {
     static const double X[3] = {512000.25, 5154500.5, 1200.125};
@@ -344,8 +345,7 @@ static void test_the_mean_of_one_is_that_one(void)
     ASSERT_NEAR(0, sigma_t, 0);
 }
 
-/* Turned by +w and -w, shifted by +d and -d: the middle is known, and so is the
- * deviation. */
+/* Turned by +w and -w, shifted by +d and -d: the mean is known, and so is the deviation. */
 static void test_deviations_that_balance_leave_the_middle(void)
 {
     test_rng rng = test_seed(72);
@@ -383,8 +383,8 @@ static void test_deviations_that_balance_leave_the_middle(void)
     }
 }
 
-/* About one axis the mean angle is the mean of the angles. That of the entries
- * (the chordal mean) of 0, 0 and 1.5 would be 0.45. */
+/* About one axis the mean angle is the mean of the angles. The mean of the entries (the
+ * chordal mean) of 0, 0 and 1.5 would give 0.45. */
 static void test_angles_are_averaged_and_not_entries(void)
 {
     static const double axis[3] = {1, 2, -2};
@@ -432,7 +432,7 @@ static void test_a_weight_counts_as_so_many_repetitions(void)
     }
 }
 
-/* Which frame the rotations are written in changes nothing. */
+/* The mean does not depend on the frame of the rotations. */
 static void test_the_mean_turns_with_its_frame(void)
 {
     test_rng rng = test_seed(74);
@@ -459,8 +459,8 @@ static void test_the_mean_turns_with_its_frame(void)
     }
 }
 
-/* Rotations so far apart that the steps to their mean shrink slowly: they are few
- * nevertheless, and the mean of the deviations, which is 0 at the end, is small. */
+/* The rotations are so far apart that the steps to their mean shrink slowly. Still the
+ * steps are few, and the mean of the deviations, which would be 0 at the end, is small. */
 static void test_the_steps_to_a_mean_are_bounded(void)
 {
     static const rigcal_real Q[7][4] = {
@@ -495,17 +495,17 @@ static void test_rotations_that_cancel_have_no_mean(void)
 
     FILL(sigma_rad);
     FILL(sigma_t);
-    /* Half a turn apart. */
+    /* Rotations that are half a turn apart. */
     four[1] = test_turned_about(axes[2], TEST_PI);
     ASSERT_REFUSED(RIGCAL_ERR_ROTATION, mean,
                    rigcal_transform_mean(&mean, &sigma_rad, &sigma_t, four, NULL, 2));
-    /* All the way round. */
+    /* Rotations spread over the full circle. */
     for (int i = 0; i < 4; i++) {
         four[i] = test_turned_about(axes[1], i * TEST_PI / 2);
     }
     ASSERT_REFUSED(RIGCAL_ERR_ROTATION, mean,
                    rigcal_transform_mean(&mean, &sigma_rad, &sigma_t, four, NULL, 4));
-    /* Half turns about all three axes: the matrices sum to zero. */
+    /* Half turns about all three axes: the matrices add up to zero. */
     for (int i = 0; i < 3; i++) {
         four[i] = test_turned_about(axes[i], TEST_PI);
     }

@@ -10,8 +10,8 @@ static const rigcal_real IDENTITY[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
 
 /* ---- translation (10a), (10b), (16) -------------------------------------- */
 
-/* A point ahead and one a unit to the right of it, seen at x = 0 and 1/2: they
- * are 2 away. They do not differ in y, so (10b) is left out. */
+/* One point ahead and another one unit to its right, seen at x = 0 and 1/2: they are at a
+ * depth of 2. Their y is the same, so (10b) is left out. */
 static void test_a_translation_on_paper(void)
 {
     static const rigcal_bearing s[2] = {{{3, 4, 0}, {0, 0, 1}}, {{4, 4, 0}, {1, 0, 2}}};
@@ -26,8 +26,8 @@ static void test_a_translation_on_paper(void)
     ASSERT_ARRAY_NEAR(expected, t, 3, TOL(1e-14, 1e-5));
 }
 
-/* At the rotation of the image and at one well off it. Depths of 3 to 6 for an
- * image of about 0.2 and coordinates of 3: amplified by 15 or so. */
+/* At the rotation of the image, and at a rotation far from it. Depths are 3 to 6, the image
+ * is about 0.2, and coordinates are up to 3: errors grow about 15 times. */
 static void test_translations_are_the_oracles(void)
 {
     const double tol = 15 * TOL(1e-13, 1e-5);
@@ -76,14 +76,15 @@ static void test_translations_of_perfect_images_are_true(void)
         ASSERT_STATUS(RIGCAL_OK, rigcal_pairs_choose(pairs, 88, &n_pairs, s, (size_t)n));
         ASSERT_STATUS(RIGCAL_OK,
                       rigcal_translation_from_pairs(t, R, s, (size_t)n, pairs, n_pairs));
-        /* Each equation of a pair is as good as its coordinates differ. */
+        /* The error of a pair's equation is the smaller, the more its coordinates
+         * differ. */
         ASSERT_ARRAY_NEAR(scene.t, t, 3, TOL(1e-10, 0.05));
         ASSERT_STATUS(RIGCAL_OK, rigcal_translation_least_squares(t, R, s, (size_t)n));
         ASSERT_ARRAY_NEAR(scene.t, t, 3, TOL(1e-11, 5e-3));
     }
 }
 
-/* Double the target and its camera is twice as far. */
+/* For a doubled target the camera is twice as far away. */
 static void test_translation_scales_with_the_target(void)
 {
     double ypr[3], wrong[3], t_once[3];
@@ -115,7 +116,7 @@ static void test_a_translation_far_from_the_origin_keeps_its_digits(void)
     rigcal_real R[9], t[3];
 
     if (RIGCAL_USE_FLOAT) {
-        return; /* half a metre a digit: nothing to keep */
+        return; /* the rounding is half a metre, so no digits are left */
     }
     test_scene_random(&scene, &rng, 6, TEST_GENERAL);
     test_bearings(s, &scene);
@@ -126,8 +127,8 @@ static void test_a_translation_far_from_the_origin_keeps_its_digits(void)
     }
     test_to_real(R, scene.R, 9);
     ASSERT_STATUS(RIGCAL_OK, rigcal_translation_least_squares(t, R, s, 6));
-    /* Seen from the target again, t + R far is the camera's own. A nanometre of
-     * rounding, times distance over size. */
+    /* Seen from the target again, t + R far is the camera's own. The rounding is a
+     * nanometre, times distance over size. */
     test_apply(back, scene.R, far, NULL);
     for (int k = 0; k < 3; k++) {
         ASSERT_NEAR(scene.t[k], D(t[k]) + back[k], 2e-7);
@@ -147,7 +148,7 @@ static void test_rays_that_fix_no_translation_are_refused(void)
                    rigcal_translation_from_pairs(t, IDENTITY, s, 3, pairs, 2));
     ASSERT_REFUSED(RIGCAL_ERR_DEGENERATE, t,
                    rigcal_translation_least_squares(t, IDENTITY, s, 3));
-    s[1].ray[1] = 1; /* now they differ in y, and that is enough */
+    s[1].ray[1] = 1; /* now they differ in y, which is enough */
     ASSERT_STATUS(RIGCAL_OK, rigcal_translation_from_pairs(t, IDENTITY, s, 3, pairs, 2));
     ASSERT_STATUS(RIGCAL_OK, rigcal_translation_least_squares(t, IDENTITY, s, 3));
 }

@@ -1,5 +1,5 @@
-/* trial: which body explains the rows, and where it then is. The truth: a body of a made
- * rig that is moved by a known step. */
+/* trial: which body explains the rows, and where it is then. The truth: a simulated rig in
+ * which a body is moved by a known step. */
 #include <math.h>
 #include <string.h>
 
@@ -38,7 +38,8 @@ static void begin(void)
     rc_trial_begin(&f, &alarm, bodies, RC(0.05), RC(5e-3));
 }
 
-static void take(test_rng *rng, double noise_px)
+/* Takes a match of a random pair. Returns whether it is doubted. */
+static int take(test_rng *rng, double noise_px)
 {
     static const double PINHOLE[15] = {0, 640, 480, 800, 800, 320, 240};
     const rigcal_camera camera = test_camera(PINHOLE);
@@ -57,7 +58,7 @@ static void take(test_rng *rng, double noise_px)
             (rigcal_real)(p[1] / p[2] + noise_px / 800 * test_normal(rng)), 1};
         ASSERT_STATUS(RIGCAL_OK, rc_sight_of(&seen.sight[k], &camera, ray, RC(0.3)));
     }
-    (void)rc_trial_take(&f, bodies, &seen, RC(0.1));
+    return rc_trial_take(&f, bodies, &seen, RC(0.1));
 }
 
 static void test_the_body_that_moved_is_named_and_found(void)
@@ -76,7 +77,7 @@ static void test_the_body_that_moved_is_named_and_found(void)
         t[1] += 2e-3;
         truth[body] = test_transform(moved, t);
         for (int i = 0; i < 200; i++) {
-            take(&rng, 0.3);
+            (void)take(&rng, 0.3);
             if (i % 20 == 19) {
                 rc_trial_settle(&f, bodies);
             }
@@ -98,8 +99,8 @@ static void test_the_body_that_moved_is_named_and_found(void)
     }
 }
 
-/* Without noise of the pixels the pose is found to a part of its step: the rows are taken
- * where the body is by then. */
+/* Without noise the pose is found to a small part of its step, because each row is computed
+ * where the trial then has the body. */
 static void test_without_noise_the_step_is_found(void)
 {
     for (size_t body = 0; body < BODIES; body++) {
@@ -116,7 +117,7 @@ static void test_without_noise_the_step_is_found(void)
         t[1] += t_step;
         truth[body] = test_transform(moved, t);
         for (int i = 0; i < 300; i++) {
-            take(&rng, 0);
+            (void)take(&rng, 0);
         }
         rc_trial_result(&pose, Sigma, &f, bodies, body);
         test_transform_parts(R, t, &pose);
@@ -124,8 +125,8 @@ static void test_without_noise_the_step_is_found(void)
     }
 }
 
-/* What the filter has found of a body, and not yet put into its pose, is no move: the rows
- * say nothing new, so all bodies stay as likely. */
+/* An error that the filter has found, but not yet put into a body's pose, is no move. The
+ * rows say nothing new, so all bodies stay equally likely. */
 static void test_an_error_that_is_known_is_no_move(void)
 {
     static const double W[3] = {1e-4, -2e-4, 1e-4};
@@ -145,7 +146,7 @@ static void test_an_error_that_is_known_is_no_move(void)
         }
         truth[body] = test_transform(moved, t);
         for (int i = 0; i < 60; i++) {
-            take(&rng, 0);
+            (void)take(&rng, 0);
         }
         for (size_t b = 0; b < BODIES; b++) {
             const rigcal_real *const move = &bodies[b * RC_ALARM_BODY + RC_TRIAL_MOVE];
@@ -154,6 +155,22 @@ static void test_an_error_that_is_known_is_no_move(void)
             }
         }
     }
+}
+
+/* Right matches are believed, those that are off by hundreds of pixels are not. */
+static void test_wrong_matches_are_doubted(void)
+{
+    test_rng rng = test_seed(40);
+    int doubted = 0;
+
+    begin();
+    for (int i = 0; i < 40; i++) {
+        TEST_ASSERT_FALSE(take(&rng, 0));
+    }
+    for (int i = 0; i < 40; i++) {
+        doubted += take(&rng, 300);
+    }
+    TEST_ASSERT_GREATER_THAN_INT(30, doubted);
 }
 
 static void test_without_rows_all_bodies_are_equally_likely(void)
@@ -169,8 +186,8 @@ static void test_without_rows_all_bodies_are_equally_likely(void)
 
 /* ---- rows that tell nothing ---------------------------------------------------- */
 
-/* Camera 1 is 2 before a target, body 2, of which it sees a point 0.1 aside. In its trial it
- * is moved by `closer` towards it. */
+/* Camera 1 is at a distance of 2 from a target, body 2. It sees a point of the target 0.1
+ * off the axis. In its trial the camera is moved by `closer` towards the target. */
 static void see_target(rc_seen *seen, const rigcal_camera *camera, double above,
                        double closer, double step_t)
 {
@@ -191,8 +208,8 @@ static void see_target(rc_seen *seen, const rigcal_camera *camera, double above,
     seen->uv[1] = 240;
 }
 
-/* Where the trial's row is none, the move explains nothing: the body's log falls, but stays
- * a number, and the move stays what it was. */
+/* If the trial has no row, the move explains nothing. The body's log falls but stays
+ * finite, and the move does not change. */
 static void assert_explains_nothing(const rc_seen *seen)
 {
     const rigcal_real *const trial = &bodies[RC_ALARM_BODY];
@@ -212,12 +229,12 @@ static void test_a_move_that_hides_the_point_explains_nothing(void)
 
     see_target(&seen, &camera, 0, 3, 0.05); /* behind the camera */
     assert_explains_nothing(&seen);
-    /* so near to its plane that the pixel's variance is no number */
+    /* so near to the camera's plane that the pixel's variance overflows */
     see_target(&seen, &camera, TOL(1e-100, 1e-15), 2, 0.05);
     assert_explains_nothing(&seen);
 }
 
-/* Its own error, moved as much, is no number either. */
+/* The body's own error, moved as far, overflows too. */
 static void test_an_error_that_overflows_in_the_trial_explains_nothing(void)
 {
     const rigcal_camera camera = test_pinhole();
@@ -230,7 +247,7 @@ static void test_an_error_that_overflows_in_the_trial_explains_nothing(void)
     ASSERT_NEAR(-2, bodies[RC_ALARM_BODY + RC_TRIAL_MOVE + 5], 0);
 }
 
-/* What the filter itself cannot evaluate tells no trial anything. */
+/* A row that the filter itself cannot evaluate changes no trial. */
 static void test_rows_that_the_filter_cannot_take_are_left_out(void)
 {
     static rigcal_real before[BODIES * RC_ALARM_BODY];
@@ -254,6 +271,7 @@ TEST_MAIN()
     RUN_TEST(test_without_rows_all_bodies_are_equally_likely);
     RUN_TEST(test_without_noise_the_step_is_found);
     RUN_TEST(test_an_error_that_is_known_is_no_move);
+    RUN_TEST(test_wrong_matches_are_doubted);
     RUN_TEST(test_a_move_that_hides_the_point_explains_nothing);
     RUN_TEST(test_an_error_that_overflows_in_the_trial_explains_nothing);
     RUN_TEST(test_rows_that_the_filter_cannot_take_are_left_out);

@@ -1,5 +1,5 @@
-/* triangulate: depth from two views, points from many, and how far off a measured point
- * can be. */
+/* triangulate: depth from two views, points from many, and the bound on the error of a
+ * measured point. */
 #include <math.h>
 #include <string.h>
 
@@ -14,8 +14,8 @@ static const rigcal_transform NOTHING = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}}
 
 /* ---- depth from two views (22)..(24) ------------------------------------- */
 
-/* Two 3-4-5 triangles back to back: cameras 6 apart, the point 4 ahead; b sits
- * 1/4 lower (y is down), so the rays miss by 1/4. */
+/* Two 3-4-5 triangles back to back: the cameras are 6 apart, the point is 4 ahead. Camera b
+ * is 1/4 lower (y is down), so the rays miss each other by 1/4. */
 static const rigcal_transform B_FROM_A = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {-6, RC(-0.25), 0}};
 static const rigcal_real M_A[3] = {RC(0.75), 0, 1}, M_B[3] = {RC(-0.75), 0, 1};
 
@@ -31,7 +31,8 @@ static void test_skew_rays_give_both_depths_and_their_miss(void)
 
 static void test_depth_counts_in_lengths_of_the_ray(void)
 {
-    /* Unit rays: the hypotenuse is 5. A ray ten times as long: a tenth. */
+    /* With unit rays the depth is the hypotenuse, 5. With a ray ten times as long it is a
+     * tenth of that. */
     const rigcal_real unit_a[3] = {RC(0.6), 0, RC(0.8)};
     const rigcal_real long_b[3] = {RC(-7.5), 0, 10};
     rigcal_real depth[2], miss;
@@ -43,8 +44,7 @@ static void test_depth_counts_in_lengths_of_the_ray(void)
     ASSERT_NEAR(0.25, miss, TOL(1e-15, 1e-6));
 }
 
-/* Depth is worth the parallax: divided by the sine of the angle between
- * rays. */
+/* The error of a depth grows as 1 / sine of the angle between the rays. */
 static void test_depths_of_two_views_are_the_oracles(void)
 {
     for (int i = 0; i < TWO_VIEWS_ROWS; i++) {
@@ -130,7 +130,7 @@ static void test_rays_that_meet_behind_either_camera_are_refused(void)
                    rigcal_depth_two_views(depth, &miss, &B_FROM_A, M_A, back_b));
     ASSERT_REFUSED(RIGCAL_ERR_BEHIND, depth,
                    rigcal_depth_two_views(depth, &miss, &B_FROM_A, back_a, M_B));
-    /* One centre: the rays meet in it, and nothing is measured. */
+    /* Both cameras have one centre: the rays meet there, and nothing can be measured. */
     ASSERT_REFUSED(RIGCAL_ERR_BEHIND, depth,
                    rigcal_depth_two_views(depth, &miss, &NOTHING, M_A, M_B));
     ASSERT_UNTOUCHED(miss);
@@ -217,7 +217,7 @@ static void test_no_or_negative_disparity_is_refused(void)
     ASSERT_REFUSED(RIGCAL_ERR_BEHIND, X, rigcal_depth_aligned(X, 1, left, right));
 }
 
-/* As long as a coordinate may be: its depth is half of that. */
+/* The baseline is as long as a coordinate may be. The depth is half of that. */
 static void test_the_longest_baseline_is_accepted(void)
 {
     const rigcal_real left[2] = {2, 0}, right[2] = {0, 0};
@@ -261,7 +261,7 @@ typedef struct {
     double X[3];
 } views;
 
-/* Cameras of all lenses on an arc about a point, which they see exactly. */
+/* Cameras with all lenses on an arc about a point, which they see exactly. */
 static void exact_views(views *v, test_rng *rng, int n)
 {
     for (int k = 0; k < 3; k++) {
@@ -331,14 +331,14 @@ static void test_points_of_noisy_views_are_scipys_least_squares(void)
         for (int i = 0; i < 9; i++) {
             largest = fmax(largest, fabs(golden[4 + i]));
         }
-        /* The search ends where nothing is left to gain but a part of the sum: 1e-12, in
-         * float 1e-6. That is the square of what is left to move, in deviations at the
-         * noise of the sum. In float a pixel is good to 1e-4, too. */
+        /* The search ends when only a small part of the sum can still be gained: 1e-12, in
+         * float 1e-6. That is the square of the remaining step, in standard deviations for
+         * the noise of the sum. In float a pixel is also only accurate to 1e-4. */
         ASSERT_ARRAY_NEAR(golden, point.X, 3,
                           TOL(1e-6, 2e-3) * sqrt(largest) * fmax(1, golden[3]));
         ASSERT_NEAR(golden[3], point.rms_px, TOL(1e-9, 2e-3));
-        /* The last step is not evaluated: the covariance is that of its start, up to a
-         * thousandth of a deviation away. */
+        /* The last step is not evaluated. The covariance belongs to the start of that step,
+         * up to a thousandth of a standard deviation away. */
         ASSERT_ARRAY_NEAR(golden + 4, point.Sigma, 9, TOL(1e-4, 1e-3) * largest);
     }
 }
@@ -361,7 +361,7 @@ static void test_the_covariance_goes_with_the_square_of_the_noise(void)
     ASSERT_ARRAY_NEAR(once, point.Sigma, 9, TOL(1e-14, 1e-6) * once[0]);
 }
 
-/* 400 draws tell a variance to 7 % (one deviation); the trace is of three. */
+/* 400 draws give a variance to 7 % (one standard deviation). The trace sums three. */
 static void test_the_covariance_is_the_scatter_of_noisy_measurements(void)
 {
     enum { DRAWS = 400 };
@@ -419,9 +419,8 @@ static void test_a_point_beside_a_fisheye_is_measured(void)
     ASSERT_ARRAY_NEAR(X, point.X, 3, TOL(1e-11, 1e-3));
 }
 
-/* Matches hundreds of pixels wrong: steps overshoot and have to be
- * shortened, and still the answer is where the sum of squares is least, as
- * its neighbours tell. */
+/* Matches that are hundreds of pixels wrong. Steps overshoot and have to be shortened. The
+ * result must still have the least sum of squares among its neighbours. */
 static void test_wrong_matches_still_give_the_least_squares(void)
 {
     const double aside = 1e-3;
@@ -480,7 +479,7 @@ static void test_a_point_that_views_do_not_fix_is_refused(void)
 
     exact_views(&v, &rng, 2);
     other = v;
-    for (int i = 0; i < 2; i++) { /* all from one place */
+    for (int i = 0; i < 2; i++) { /* all cameras at one place */
         other.cameras[i] = v.cameras[0];
         other.poses[i] = v.poses[0];
         memcpy(other.uv + 2 * i, v.uv, 2 * sizeof v.uv[0]);
@@ -488,7 +487,7 @@ static void test_a_point_that_views_do_not_fix_is_refused(void)
     ASSERT_REFUSED(RIGCAL_ERR_PARALLEL, point, triangulate(&point, &other, 2, 1));
 
     other = v;
-    for (int i = 0; i < 2; i++) { /* side by side, the rays run apart */
+    for (int i = 0; i < 2; i++) { /* side by side, and the rays do not meet */
         const double t[3] = {i ? -1 : 0, 0, 0};
 
         other.cameras[i] = test_pinhole();
@@ -591,8 +590,8 @@ static void test_no_point_is_farther_off_than_the_bound(void)
     }
 }
 
-/* A point across the axis of the error, the shift in the direction it moves: 60
- * degrees move it by its own distance, 10, and the shift adds 3. */
+/* A point across the axis of the rotation error, with the shift in the direction in which
+ * it moves: 60 degrees move it by its own distance, 10, and the shift adds 3. */
 static void test_the_bound_is_reached_on_paper(void)
 {
     static const double axis[3] = {0, 0, 1};
@@ -660,7 +659,7 @@ static void assert_best(const test_views *v, const rigcal_point *point)
     }
 }
 
-/* Rays that are far from meeting, so that a search goes on for long, or away to infinity. */
+/* The rays are far from meeting. So a search takes long, or goes away to infinity. */
 static void test_no_point_near_one_of_wild_views_is_better(void)
 {
     test_rng rng = test_seed(57);
@@ -692,8 +691,8 @@ static void test_no_point_near_one_of_wild_views_is_better(void)
     }
 }
 
-/* The point is so near to the plane of a camera that its pixel, or how it moves, is no
- * number. */
+/* The point is so near to the plane of a camera that its pixel, or the pixel's derivative,
+ * overflows. */
 static void test_a_point_that_grazes_a_camera_is_refused(void)
 {
     rigcal_point point;

@@ -1,5 +1,5 @@
-/* uncertainty: how far a pose can be trusted. Against the vectors, against differences,
- * and against the scatter of many solved scenes. */
+/* uncertainty: how accurate a pose is, compared with the vectors, with differences, and
+ * with the scatter of many solved scenes. */
 #include <math.h>
 #include <string.h>
 
@@ -82,7 +82,7 @@ static void test_covariances_of_any_lens_are_those_of_the_vectors(void)
     }
 }
 
-/* The centre's deviation is that of -R^T t under the covariance of (w, dt): by
+/* The standard deviation of the centre is that of -R^T t for the covariance of (w, dt), by
  * differences. */
 static void test_the_deviation_of_the_centre_follows(void)
 {
@@ -128,7 +128,8 @@ static void test_the_deviation_of_the_centre_follows(void)
     }
 }
 
-/* 95 % of the ellipsoids hold the truth; noise estimated comes out as it is. */
+/* 95 % of the ellipsoids must hold the truth. The estimated noise must be the true
+ * noise. */
 static void test_the_covariance_holds_the_truth_as_often_as_it_says(void)
 {
     enum { TRIALS = 2000 };
@@ -197,8 +198,8 @@ static void test_a_covariance_that_does_not_exist_is_refused_by_name(void)
                    rigcal_pose_covariance(&u, &VIEW(&p.camera, p.o, NULL, 6), &pose, 1));
 }
 
-/* Points and camera so far from the origin that the shape is nearly rounded away; these are
- * exact there, so the turns are as sure as at the origin. */
+/* The points and the camera are so far from the origin that rounding nearly destroys the
+ * shape. These points are exact there, so the rotation is as sure as at the origin. */
 static void test_far_from_the_origin_the_turns_are_as_sure(void)
 {
     const double far = TOL(1099511627776.0, 2048); /* 2^40, 2^11 */
@@ -229,8 +230,8 @@ static void test_far_from_the_origin_the_turns_are_as_sure(void)
     }
 }
 
-/* On the cylinder through three points, upright on their plane, the camera can move a
- * little and they stay where they are seen: the danger cylinder of three points. */
+/* If the camera is on the cylinder through three points, upright on their plane, it can
+ * move a little without a change of their pixels: the danger cylinder of three points. */
 static void test_on_the_danger_cylinder_of_three_points_there_is_no_covariance(void)
 {
     const rigcal_camera camera = test_pinhole();
@@ -259,7 +260,7 @@ static void test_on_the_danger_cylinder_of_three_points_there_is_no_covariance(v
 
         if (status == RIGCAL_ERR_DEGENERATE) {
             n_refused++;
-        } else { /* to rounding it is beside the cylinder: next to nothing is known */
+        } else { /* by rounding it is beside the cylinder: then almost nothing is known */
             ASSERT_STATUS(RIGCAL_OK, status);
             TEST_ASSERT_TRUE(D(out.center[0]) + D(out.center[1]) + D(out.center[2]) > 10);
         }

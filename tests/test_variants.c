@@ -1,5 +1,6 @@
-/* One rig in other words: a placement that nobody saw, a view that is left out, a camera
- * that is held, or whose prior is as good as that. What is found of the rig is the same. */
+/* One rig in several forms: with a placement that nobody saw, a view that is left out, a
+ * camera that is held, or a camera with a nearly exact prior. The results must be the
+ * same. */
 #include <string.h>
 
 #include "rigcal_solvers.h"
@@ -20,7 +21,7 @@ static rigcal_camera_prior priors[CAMERAS];
 #define WANTS_BOARDS \
     TEST_WANTS_RAM(sizeof(test_boards) + sizeof memory + sizeof more + 40000)
 
-/* What is found of the rig. */
+/* The results for the rig. */
 typedef struct {
     double chosen[12], adjusted[12]; /* camera 2 */
     double sum, freedom, sigma_px, F;
@@ -112,7 +113,7 @@ static void make(uint64_t seed)
     }
 }
 
-/* Each number to `tol` of the largest of its kind. */
+/* Each number must agree to `tol` of the largest of its kind. */
 static void assert_alike(const outcome *expected, const outcome *seen, double tol)
 {
     const double *const e = (const double *)(const void *)expected;
@@ -137,7 +138,7 @@ static void assert_alike(const outcome *expected, const outcome *seen, double to
     TEST_ASSERT_EQUAL_size_t(sizeof(outcome), at * sizeof(double));
 }
 
-/* Placement EMPTY is one that no camera saw; what came from there on comes one later. */
+/* Inserts placement EMPTY, which no camera saw; the later ones move up by one. */
 static void insert_a_placement(void)
 {
     for (size_t v = 0; v < b.rig.n_views; v++) {
@@ -171,7 +172,8 @@ static void remove_view(int gone)
     b.rig.n_views--;
 }
 
-/* A view that is left out is as one that is not there, whatever it shows. */
+/* A view that is left out has the same effect as one that does not exist, whatever its
+ * pixels. */
 static void test_a_view_that_is_left_out_changes_nothing(void)
 {
     WANTS_BOARDS;
@@ -189,7 +191,7 @@ static void test_a_view_that_is_left_out_changes_nothing(void)
     assert_alike(&before, &after, TOL(1e-9, 1e-4));
 }
 
-/* The first camera is held anyhow; held by its role, it is the same. */
+/* The first camera is held by default. Held by its role it must give the same. */
 static void test_a_camera_held_by_its_role(void)
 {
     WANTS_BOARDS;
@@ -205,8 +207,8 @@ static void test_a_camera_held_by_its_role(void)
     assert_alike(&before, &after, TOL(1e-9, 1e-4));
 }
 
-/* A prior that is next to exact is as good as a camera that is held. It counts: what is
- * found of it are 6 unknowns and 6 numbers that were known. */
+/* A nearly exact prior has the effect of a held camera. It counts as 6 unknowns and 6
+ * numbers that were known. */
 static void test_a_sure_prior_is_as_a_camera_that_is_held(void)
 {
     outcome before, after;
@@ -228,7 +230,7 @@ static void test_a_sure_prior_is_as_a_camera_that_is_held(void)
     assert_alike(&before, &after, TOL(1e-4, 2e-2));
 }
 
-/* Memory to work in that says of a placement that more views than cameras show it. */
+/* A work array that says that a placement has more views than there are cameras. */
 static void test_counts_that_cannot_be_are_refused(void)
 {
     test_rng rng = test_seed(4500);
@@ -268,7 +270,7 @@ static void test_a_rig_whose_views_are_all_left_out_is_refused(void)
     TEST_ASSERT_EQUAL_INT32(-1, at_fault);
 }
 
-/* Memory to work in that says that no placement was seen. */
+/* A work array that says that no placement was seen. */
 static void test_a_rig_without_placements_has_no_faults(void)
 {
     rigcal_faults_options options = {0};
@@ -288,7 +290,7 @@ static void test_a_rig_without_placements_has_no_faults(void)
                    rigcal_rig_faults(&found, faults, 12, NULL, &options, &b.rig));
 }
 
-/* Point 4 of view v is where its camera does not look. */
+/* Puts point 4 of view v behind its camera. */
 static void put_behind(size_t v)
 {
     const rigcal_transform chain =
@@ -340,7 +342,7 @@ static void test_a_point_behind_its_camera_has_a_status(void)
     ASSERT_REFUSED(RIGCAL_ERR_BEHIND, found,
                    rigcal_rig_faults(&found, faults, 12, &at_fault, &options, &b.rig));
     TEST_ASSERT_EQUAL_INT32(8, at_fault);
-    options.is_truncated = 1; /* it is then a wrong point as any other */
+    options.is_truncated = 1; /* then it is a wrong point like others */
     ASSERT_STATUS(RIGCAL_OK, rigcal_rig_faults(&found, faults, 12, NULL, &options, &b.rig));
     make(4800);
     b.rig.sigma_px = RC(NOISE);
@@ -349,8 +351,8 @@ static void test_a_point_behind_its_camera_has_a_status(void)
     ASSERT_NEAR(D(whole.freedom_within) - 2, found.freedom_within, 0);
 }
 
-/* Of the truncated loss a point that cannot be seen is a wrong one; of Huber's, which has
- * no limit, it is an error. */
+/* With the truncated loss a point that cannot be seen is a wrong point. With Huber's loss,
+ * which has no limit, it is an error. */
 static void test_a_point_behind_its_camera_is_wrong_by_the_truncated_loss(void)
 {
     static rigcal_rig_solver solver;
@@ -377,7 +379,7 @@ static void test_a_point_behind_its_camera_is_wrong_by_the_truncated_loss(void)
 }
 
 /* Two cameras, one placement, three points each: as many numbers as unknowns. All fits, and
- * nothing tells how well. */
+ * the noise cannot be estimated. */
 static void test_a_rig_without_freedom_tells_no_noise(void)
 {
     test_rng rng = test_seed(5100);

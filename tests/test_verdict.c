@@ -1,5 +1,5 @@
-/* verdict: what was found of a rig, in sentences. Each comes when its number says so, and
- * not else. */
+/* verdict: the results for a rig in sentences. Each sentence must come if and only if its
+ * number says so. */
 #include <string.h>
 
 #include "test_support.h"
@@ -54,7 +54,7 @@ static void say(void)
 #define ASSERT_SAYS(part) TEST_ASSERT_NOT_NULL_MESSAGE(strstr(text, part), text)
 #define ASSERT_SAYS_NOT(part) TEST_ASSERT_NULL_MESSAGE(strstr(text, part), text)
 
-/* The rig disagrees, and the first fault has been found. */
+/* The rig disagrees, and the first fault explains it. */
 static void explained_by(int kind, int camera, double value, double sigma)
 {
     set_up();
@@ -263,7 +263,7 @@ static void test_a_name_that_begins_with_no_letter_stays(void)
     ASSERT_SAYS("~2's pictures are earlier by");
 }
 
-/* Whatever the room: whole sentences, and how much all of them take. */
+/* Whatever the size of the buffer: whole sentences, and the size that all of them need. */
 static void test_a_buffer_that_is_too_small_gets_whole_sentences(void)
 {
     size_t n = 0, needed = 0;
@@ -319,7 +319,7 @@ static void test_a_named_fault_that_is_not_there_is_refused(void)
                   rigcal_faults_text(text, ROOM, NULL, &found, faults, &words));
 }
 
-/* Where the first one does not explain, the others need not either. */
+/* If the first fault does not explain, the others need not either. */
 static void test_what_cannot_be_told_apart_where_nothing_explains(void)
 {
     explained_by(RIGCAL_FAULT_CLOCK, 0, 0.005, 0.0003);

@@ -1,4 +1,4 @@
-/* views: what is handed in of a rig, its checks, its groups, and views from a source. */
+/* views: the input of a rig, its checks, its groups, and views from a source. */
 #include <string.h>
 
 #include "rigcal_solvers.h"
@@ -8,7 +8,7 @@ static test_rig r;
 
 #define WANTS_RIG TEST_WANTS_RAM(sizeof(test_rig) + 12000)
 
-/* Two cameras, three placements, all seen: views 0 .. 5. */
+/* Two cameras and three placements, all seen: views 0 to 5. */
 static void make(int n_cameras, int n_placements)
 {
     test_rng rng = test_seed(331);
@@ -18,7 +18,7 @@ static void make(int n_cameras, int n_placements)
     test_rig_solve_views(&r);
 }
 
-/* Both refuse it; the cameras and placements are where they were. */
+/* Both functions must refuse it and leave cameras and placements unchanged. */
 static void assert_refused(rigcal_status status, int32_t at)
 {
     rigcal_rig_fit fit;
@@ -57,7 +57,7 @@ static void test_pointers_must_be_there(void)
         r.rig.rig_from_placements = k == 1 ? NULL : r.rig.rig_from_placements;
         r.rig.group = k == 2 ? NULL : r.rig.group;
         r.rig.work = k == 3 ? NULL : r.rig.work;
-        if (k == 4) { /* a prior, and none is given */
+        if (k == 4) { /* it has the role of a prior, but no prior is given */
             r.roles[1] = RIGCAL_CAMERA_PRIOR;
             r.rig.roles = r.roles;
             r.rig.sigma_px = 1;
@@ -112,7 +112,8 @@ static void test_a_view_names_a_camera_a_placement_and_a_target_that_are(void)
             assert_refused(RIGCAL_ERR_RANGE, (int32_t)v);
         }
         make(2, 3);
-        set_view(v, 2, r.views[v].placement); /* the next that is not */
+        set_view(v, 2, r.views[v].placement); /* and the next view, which has the same
+                                                 place */
         assert_refused(RIGCAL_ERR_RANGE, (int32_t)v);
         make(2, 3);
         set_view(v, r.views[v].camera, 3);
@@ -166,7 +167,7 @@ static void test_views_are_in_order_and_no_camera_twice_in_a_placement(void)
 {
     WANTS_RIG;
     make(2, 3);
-    set_view(4, 0, 0); /* after placement 1 */
+    set_view(4, 0, 0); /* this one comes after placement 1 */
     assert_refused(RIGCAL_ERR_UNSORTED, 4);
     make(2, 3);
     set_view(0, 0, 2);
@@ -175,7 +176,7 @@ static void test_views_are_in_order_and_no_camera_twice_in_a_placement(void)
     set_view(3, 0, 1);
     assert_refused(RIGCAL_ERR_TWICE, 3);
     make(3, 2);
-    set_view(5, 0, 1); /* not its neighbour */
+    set_view(5, 0, 1); /* not next to it */
     assert_refused(RIGCAL_ERR_TWICE, 5);
 }
 
@@ -192,7 +193,7 @@ static void test_memory_to_work_in_is_as_told(void)
     assert_refused(RIGCAL_ERR_CAPACITY, -1);
     r.rig.work_capacity = RIGCAL_RIG_WORK(0, 3, 2) - 1;
     assert_refused(RIGCAL_ERR_CAPACITY, -1);
-    /* Exactly so much, and nothing beyond is written. */
+    /* Exactly this much memory is enough, and nothing is written beyond it. */
     r.rig.work_capacity = RIGCAL_RIG_WORK(2, 3, 2);
     for (size_t k = 0; k < RIG_WORK; k++) {
         r.work[k] = 77;
@@ -201,15 +202,15 @@ static void test_memory_to_work_in_is_as_told(void)
     for (size_t k = RIGCAL_RIG_WORK(2, 3, 2); k < RIG_WORK; k++) {
         ASSERT_NEAR(77, r.work[k], 0);
     }
-    /* A rig of which the memory became less since then is not adjusted. */
+    /* A rig whose memory has become less since then is not adjusted. */
     r.rig.work_capacity--;
     ASSERT_STATUS(RIGCAL_ERR_STATE, rigcal_rig_covariance(Sigma, &r.rig, RC(0.2), 1));
     r.rig.work_capacity++;
     ASSERT_STATUS(RIGCAL_OK, rigcal_rig_covariance(Sigma, &r.rig, RC(0.2), 1));
 }
 
-/* In the pose of a view its points may be far from the origin against their size: what a
- * pose cannot be found from may still be adjusted. */
+/* In an adjustment the points of a view may be far from the origin compared with their
+ * size, even if no pose can be found from them. */
 static void test_a_target_may_be_far_from_its_origin(void)
 {
     rigcal_pose poses[RIGCAL_POSES_MAX];
@@ -304,7 +305,7 @@ static void test_cameras_are_grouped_by_what_they_share(void)
 typedef struct {
     size_t fails_at;
     rigcal_status status;
-    rigcal_observation kept[RIG_POINTS_MAX]; /* lasts until the next call only */
+    rigcal_observation kept[RIG_POINTS_MAX]; /* valid only until the next call */
 } source;
 
 static rigcal_status next_view(rigcal_rig_view *view, size_t index, void *context)
@@ -379,7 +380,7 @@ static void test_what_a_source_says_is_returned(void)
     }
 }
 
-/* One that fails only after the views have been checked. */
+/* A source that fails only after the views have been checked. */
 static rigcal_status fails_later(rigcal_rig_view *view, size_t index, void *context)
 {
     size_t *const calls = context;
@@ -406,7 +407,7 @@ static void test_a_source_that_fails_later_ends_the_search(void)
 
 /* ---- views left out ------------------------------------------------------ */
 
-/* The same rig, of which some views are not handed in at all. */
+/* The same rig, but some views are not given at all. */
 static void keep_only(const uint8_t left_out[])
 {
     size_t n = 0;
@@ -438,7 +439,7 @@ static void test_views_left_out_are_as_if_they_were_not_there(void)
         test_rig_solve_views(&r);
         for (int v = 0; v < 18; v++) {
             left_out[v] = v / 3 == 4 || (v / 3 > 1 && test_next(&rng) % 4 == 0);
-            if (left_out[v] != 0) { /* what stands there is not read */
+            if (left_out[v] != 0) { /* these contents are not read */
                 r.views[v].view.n = 0;
                 r.own[v].cam_from_target.R[0] = RC(1e30);
                 r.own[v].sse = RC(-1e30);

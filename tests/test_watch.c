@@ -1,4 +1,4 @@
-/* watch: the end of a frame, the alarm and its answers. The truth: simulated rigs of which
+/* watch: the end of a frame, the alarm and its answers. The truth: simulated rigs in which
  * a camera is turned. */
 #include <math.h>
 #include <string.h>
@@ -24,7 +24,7 @@ static void frame(rigcal_monitor_report *report, test_rng *rng, const watched_ma
     ASSERT_STATUS(RIGCAL_OK, rigcal_monitor_frame(report, w.monitor, RC(1.0 / 30)));
 }
 
-/* Turns a camera by so many degrees about any axis. */
+/* Turns a camera by this many degrees about a random axis. */
 static void turn(int camera, double degrees, test_rng *rng)
 {
     double d[6] = {test_normal(rng), test_normal(rng), test_normal(rng), 0, 0, 0};
@@ -105,7 +105,7 @@ static void test_time_adds_the_walk_of_both_cameras_and_nothing_without_one(void
 
 /* ---- an alarm ----------------------------------------------------------------------- */
 
-/* Frames until the alarm, at most 300. */
+/* Runs frames until the alarm, at most 300. */
 static int wait_for_alarm(rigcal_monitor_report *report, test_rng *rng,
                           const watched_matches *like)
 {
@@ -183,7 +183,7 @@ static void test_of_two_cameras_with_matches_alone_either_may_have_moved(void)
             ASSERT_NEAR(0.5, bodies[b].blame, 0.1);
         }
         ASSERT_NEAR(1, D(bodies[0].blame) + D(bodies[1].blame), 1e-5);
-        /* either answer mends what can be seen: the pose of one to the other */
+        /* either answer corrects what can be seen: the relative pose of the two */
         ASSERT_STATUS(RIGCAL_OK, rigcal_monitor_moved(w.monitor, (size_t)(1 - camera)));
         double e[WATCHED_FREE_MAX];
         for (int f = 0; f < 20; f++) {
@@ -193,7 +193,7 @@ static void test_of_two_cameras_with_matches_alone_either_may_have_moved(void)
     }
 }
 
-/* Between an alarm and its answer no pose moves. */
+/* Between an alarm and its answer no pose changes. */
 static void test_poses_rest_until_an_alarm_is_answered(void)
 {
     test_rng rng = test_seed(500);
@@ -262,8 +262,8 @@ static void test_a_camera_that_is_opened_is_solved_anew_by_the_next_rows(void)
     }
 }
 
-/* In the ten frames after it was opened, a camera's pose follows each row. After them it
- * rests until the frame ends, like the others. */
+/* In the ten frames after it was opened, a camera's pose follows each row. After these
+ * frames the pose rests until the end of the frame, like the others. */
 static void test_an_opened_camera_follows_its_rows_for_ten_frames(void)
 {
     test_rng rng = test_seed(700);

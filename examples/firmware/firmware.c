@@ -8,8 +8,8 @@ enum { WAITING = 0, SOLVING, JOINING, ADJUSTING, WATCHING, ERASING, PROGRAMMING 
 
 #define R(x) ((rigcal_real)(x))
 
-/* Noise of a corner [px], and how far a camera must have moved to be stored anew: five
- * times what that noise lets a pose waver. */
+/* Noise of a corner [px]. A camera is stored anew if it moved by more than five times the
+ * standard deviation that this noise gives a pose. */
 #define SIGMA_PX R(FIRMWARE_SIGMA_PX)
 #define MOVED_DISTANCE R(0.01)
 #define MOVED_ANGLE R(0.01)
@@ -28,7 +28,7 @@ const rigcal_camera FIRMWARE_INTRINSICS[FIRMWARE_CAMERAS] = {
      R(-0.11), R(0.025), 0, R(0.0005), 0, 0, 0, 0}};
 /* clang-format on */
 
-/* Three points would do for several poses, and leave no error to judge them by. */
+/* Three points may have several poses, and leave no error to judge them by. */
 enum { POINTS_LEAST = 4 };
 
 /* ---- what is sent ------------------------------------------------------------ */
@@ -80,7 +80,7 @@ static void report_slot(const char *what, int32_t slot, uint32_t sequence)
 
 /* ---- the calibration in flash ---------------------------------------------- */
 
-/* Whether the slot holds a calibration of this machine, which is then in f. */
+/* Reads a slot into f. Returns whether it holds a calibration of this machine. */
 static int load_slot(firmware *f, int32_t slot, uint32_t *sequence)
 {
     firmware_watch *const w = &f->watch;
@@ -101,7 +101,7 @@ static int load_slot(firmware *f, int32_t slot, uint32_t *sequence)
     return 1;
 }
 
-/* The newer of two valid slots; a number that wrapped round to 0 is newer. */
+/* Loads the newer of two valid slots. A number that wrapped round to 0 is newer. */
 static void load_newest(firmware *f)
 {
     uint32_t sequence[PORT_SLOTS];
@@ -132,8 +132,8 @@ static int has_moved(const rigcal_transform *now, const rigcal_transform *stored
     return angle > MOVED_ANGLE || square > MOVED_DISTANCE * MOVED_DISTANCE;
 }
 
-/* Every camera has a new pose, and not that in flash. Were the first new pose enough,
- * a bump of the whole rig would be saved once a camera. */
+/* Whether every camera has a new pose that differs from the one in flash. If a single new
+ * pose were enough, a bump of the whole rig would be saved once for each camera. */
 static int wants_saving(const firmware *f)
 {
     int moved = f->slot < 0;
@@ -146,7 +146,7 @@ static int wants_saving(const firmware *f)
     return moved && f->tries_left > 0;
 }
 
-/* Always the slot that is not in use: whatever happens to it, one is left. */
+/* The slot that is not in use. Whatever happens to it, the other one is left. */
 static int32_t spare_slot(const firmware *f)
 {
     return (f->slot == 0) ? 1 : 0;
@@ -204,7 +204,7 @@ static void finish_saving(firmware *f)
     report_slot("saved", f->slot, f->sequence);
 }
 
-/* A page a tick: programming one takes as long as the flash does. */
+/* Programs one page in each tick: the flash needs about that time for a page. */
 static void program(firmware *f)
 {
     if (!port_flash_program(spare_slot(f), f->written, f->image + f->written)) {
@@ -219,7 +219,7 @@ static void program(firmware *f)
 
 /* ---- a frame ---------------------------------------------------------------- */
 
-/* The detections of known points, each once. Returns their number. */
+/* The detections of known points, each point once. Returns their number. */
 static size_t observe(rigcal_observation seen[FIRMWARE_POINTS], const port_frame *frame)
 {
     int was_seen[FIRMWARE_POINTS] = {0};
@@ -293,8 +293,8 @@ static void report_rig_failure(firmware *f, const char *what, rigcal_status stat
     send_line(&out);
 }
 
-/* Where the first point of the last placement is, from both cameras, and the line in camera
- * 1 on which camera 0 says that it is. */
+/* Reports where the first point of the last placement is, from both cameras, and the line
+ * in camera 1 on which it must be by camera 0. */
 static void report_measured(const firmware *f, rigcal_real sigma_px)
 {
     const firmware_rig *const r = &f->rig;
@@ -326,7 +326,7 @@ static void report_measured(const firmware *f, rigcal_real sigma_px)
     send_line(&out);
 }
 
-/* Camera 1 is where the rig has it, with the rig's covariance, and both go into flash. */
+/* Gives camera 1 its pose and covariance by the rig, and writes both to flash. */
 static void finish_rig(firmware *f)
 {
     firmware_rig *const r = &f->rig;
@@ -397,7 +397,7 @@ static void adjust(firmware *f)
     }
 }
 
-/* Every view is there: their poses are joined, from which the adjustment starts. */
+/* Joins the poses of all views. The adjustment starts from the result. */
 static void begin_rig(firmware *f)
 {
     static const uint8_t ROLES[FIRMWARE_CAMERAS] = {RIGCAL_CAMERA_HELD, RIGCAL_CAMERA_FREE};
@@ -429,12 +429,13 @@ static void begin_rig(firmware *f)
     }
 }
 
-/* A view of the board. Placements come one after the other; camera 0 before camera 1. */
+/* Keeps a view of the board. Placements come one after the other, camera 0 before camera
+ * 1. */
 static void keep_view(firmware *f, const rigcal_transform *cam_from_target)
 {
     firmware_rig *const r = &f->rig;
     const int32_t k = FIRMWARE_CAMERAS * (f->placement - 1) + f->camera;
-    if (k != r->n_views) { /* one is missing: from the first placement again */
+    if (k != r->n_views) { /* a view is missing: starts again from the first placement */
         r->n_views = 0;
         if (k != 0) {
             return;
@@ -457,7 +458,7 @@ static void keep_view(firmware *f, const rigcal_transform *cam_from_target)
     }
 }
 
-/* Only a pose that is sure replaces the one before. */
+/* Replaces the earlier pose only by one that is certain. */
 static void finish_frame(firmware *f)
 {
     rigcal_pose poses[RIGCAL_POSES_MAX];
@@ -491,15 +492,15 @@ static void finish_frame(firmware *f)
     f->is_known[f->camera] = 1;
     f->is_fresh[f->camera] = 1;
     if (wants_saving(f)) {
-        watch_clear(&f->watch); /* poses found one by one have no joint covariance */
+        watch_clear(&f->watch); /* poses that were found one by one have no joint
+                                   covariance */
         begin_saving(f);
     }
 }
 
 /* ---- at work ------------------------------------------------------------------ */
 
-/* What one camera saw at work. A rig that moved far enough since it was stored is stored
- * anew. */
+/* Takes a view at work. A rig that moved far enough since it was stored is stored again. */
 static void watch(firmware *f)
 {
     const firmware_watch *const w = &f->watch;
@@ -550,7 +551,7 @@ void firmware_boot(firmware *f)
     port_feed_watchdog();
 }
 
-/* "how are you?" at the end of a line. */
+/* Listens for "how are you?" at the end of a line. */
 static void listen(firmware *f)
 {
     static const char QUESTION[] = "how are you?";
@@ -562,7 +563,7 @@ static void listen(firmware *f)
             f->n_heard = 0;
         } else {
             const int fits = f->n_heard < sizeof QUESTION - 1 && c == QUESTION[f->n_heard];
-            f->n_heard = fits ? f->n_heard + 1 : sizeof QUESTION; /* no more fits */
+            f->n_heard = fits ? f->n_heard + 1 : sizeof QUESTION; /* one more than fits */
         }
     }
 }

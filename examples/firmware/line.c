@@ -11,7 +11,7 @@ void put_text(line *out, const char *text)
     }
 }
 
-/* At least `digits` digits. */
+/* Appends x with at least `digits` digits. */
 static void put_unsigned(line *out, uint32_t x, int digits)
 {
     char reversed[10];
@@ -24,8 +24,8 @@ static void put_unsigned(line *out, uint32_t x, int digits)
     }
 }
 
-/* Six decimals, from an integer number of millionths. Beyond +-2147 the end of that
- * range is sent. */
+/* Appends x with six decimals, by way of whole millionths. Beyond +-2147 it sends that
+ * limit. */
 void put_micro(line *out, rigcal_real x)
 {
     const rigcal_real most = R(2147.0);

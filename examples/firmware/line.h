@@ -4,7 +4,7 @@
 
 #include "rigcal.h"
 
-/* Begins with n = 0. What has no room is left out. */
+/* An empty line has n = 0. Text that does not fit is left out. */
 typedef struct {
     char text[320];
     size_t n;
@@ -12,15 +12,15 @@ typedef struct {
 
 void put_text(line *out, const char *text);
 
-/* Six decimals; see README.md. */
+/* Appends six decimals; see README.md. */
 void put_micro(line *out, rigcal_real x);
 
-/* A name, then what it is. */
+/* Appends a name and a number. */
 void put_count(line *out, const char *name, uint32_t x);
 void put_vector(line *out, const char *name, const rigcal_real x[3]);
 void put_status(line *out, rigcal_status status);
 
-/* Sends it, with CR LF at its end. */
+/* Sends the line with CR LF at its end. */
 void send_line(line *out);
 
 #endif /* LINE_H */

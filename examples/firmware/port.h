@@ -1,5 +1,5 @@
-/* port.h - what the firmware wants from its board: seven small functions. A real
- * board implements them in a file of its own; sim_port.c is a simulated one. */
+/* port.h - what the firmware needs from its board: seven small functions. A real board
+ * implements them in a file of its own; sim_port.c simulates a board. */
 #ifndef PORT_H
 #define PORT_H
 
@@ -10,20 +10,23 @@
 
 enum {
     PORT_CORNERS_MAX = 16,
-    PORT_AT_WORK = -1 /* a placement: the board stands somewhere, and the rig works */
+    PORT_AT_WORK = -1 /* placement at work: the board may be anywhere, and the rig is in
+                         use */
 };
 
 typedef struct {
     int32_t camera;
-    int32_t placement; /* 0: the reference points are where they belong; 1 ..: they are on a
-                          board that is held up in one place after the other; or
-                          PORT_AT_WORK */
+    int32_t placement; /* 0: the reference points are where they belong. From 1 on: they are
+                          on a board that is held up in one place after the other. Or
+                          PORT_AT_WORK. */
     int32_t n;         /* 0 .. PORT_CORNERS_MAX */
-    int32_t id[PORT_CORNERS_MAX];  /* which reference point each is said to be */
+    int32_t id[PORT_CORNERS_MAX];  /* for each: the number of the reference point that it is
+                                      said to be */
     float uv[PORT_CORNERS_MAX][2]; /* and its pixel */
 } port_frame;
 
-/* 1: the oldest frame waiting is in *frame. 0: none is waiting. Does not block. */
+/* Returns 1 if a frame was waiting: *frame is then the oldest. 0: none is waiting. Does not
+ * block. */
 int port_take_frame(port_frame *frame);
 
 /* ---- flash: two slots, erased as a whole, programmed page by page ---------- */
@@ -33,11 +36,11 @@ enum { PORT_SLOTS = 2, PORT_SLOT_BYTES = 1024, PORT_PAGE_BYTES = 64 };
 /* The slot's PORT_SLOT_BYTES, mapped into memory. */
 const uint8_t *port_flash(int slot);
 
-/* Every bit to 1. 0: the hardware says that it failed. */
+/* Sets every bit to 1. Returns 0 if the hardware reports a failure. */
 int port_flash_erase(int slot);
 
-/* Clears the bits that are 0 in page[]; `at` is a multiple of PORT_PAGE_BYTES. 0: the
- * hardware says that it failed. */
+/* Clears the bits that are 0 in page[]. `at` is a multiple of PORT_PAGE_BYTES. Returns 0 if
+ * the hardware reports a failure. */
 int port_flash_program(int slot, size_t at, const uint8_t page[PORT_PAGE_BYTES]);
 
 /* ---- the rest ------------------------------------------------------------- */
@@ -45,10 +48,10 @@ int port_flash_program(int slot, size_t at, const uint8_t page[PORT_PAGE_BYTES])
 /* Sends text[n] over the serial line. */
 void port_send(const char text[], size_t n);
 
-/* The next character that came in over it, or -1. Does not block. */
+/* The next character received from the serial line, or -1. Does not block. */
 int port_receive(void);
 
-/* Unless called once within the watchdog's time, the board resets. */
+/* The board resets if this is not called within the watchdog's time. */
 void port_feed_watchdog(void);
 
 #endif /* PORT_H */

@@ -68,7 +68,7 @@ emulate() {
         enable=on,target=native,chardev=sh,arg=firmware -kernel "$1" </dev/null
 }
 
-# The table of the long runs, with three more seeds here.
+# Records the table of the long runs, with three more seeds on this machine.
 record() {
     for seed in 2 3 4; do
         "$out/host_long" "$host_ticks" "$seed" >>"$out/host_long.txt" || true

@@ -1,6 +1,6 @@
-/* sim_demo.c - a day in the life of the simulated board. What the firmware sends goes
- * to standard output; what happens to the board stands between in brackets. Ends with 1
- * when the firmware does not do what it should. */
+/* sim_demo.c - a day of the simulated board. What the firmware sends goes to standard
+ * output. What happens to the board stands between the lines, in brackets. Ends with 1 if
+ * the firmware does not do what it should. */
 #include "sim.h"
 
 #include <stdio.h>
@@ -13,7 +13,7 @@ static void tell(const char *what)
     printf("[%s]\n", what);
 }
 
-/* 1 when the firmware ended as expected and sent `text`. */
+/* Returns 1 if the firmware ended as expected and sent `text`. */
 static int expect(sim_end expected, sim_end end, const char *text)
 {
     const int ok = end == expected && strstr(sim.serial, text) != NULL;
@@ -50,7 +50,8 @@ static void hold_up(void)
     sim.placement = 0;
 }
 
-/* The rig at work for n frames: camera 1 is `by` [rad, and half of that in metres] off. */
+/* Runs the rig at work for n frames. Camera 1 is turned by `by` [rad] and shifted by half
+ * that number of metres. */
 static sim_end work(int n, double by)
 {
     static const double BOARD[3] = {0, 0, 0.05};

@@ -35,8 +35,8 @@ static double normal(void)
 
 /* ---- time and the watchdog --------------------------------------------------- */
 
-/* Timer 0 of the mps2 boards counts 25 MHz of QEMU's time, which -icount makes a
- * number of instructions: at shift 10 there are 25.6 counts to each. */
+/* Timer 0 of the mps2 boards counts 25 MHz of QEMU's time. With -icount that time is a
+ * number of instructions: at shift 10, 25.6 instructions for each count. */
 #ifdef SIM_TIMER
 #define TIMER ((volatile uint32_t *)0x40000000)
 
@@ -81,8 +81,8 @@ void port_feed_watchdog(void)
     sim.fed_at = counts_now();
 }
 
-/* firmware.c is compiled with this name in place of rigcal_pose_step, so that the
- * watchdog knows what a step may take. */
+/* firmware.c is compiled with this name in place of rigcal_pose_step, so that the watchdog
+ * can count the evaluations a step may take. */
 rigcal_status sim_pose_step(rigcal_pose_solver *solver, int32_t budget);
 
 rigcal_status sim_pose_step(rigcal_pose_solver *solver, int32_t budget)
@@ -91,7 +91,7 @@ rigcal_status sim_pose_step(rigcal_pose_solver *solver, int32_t budget)
     return rigcal_pose_step(solver, budget);
 }
 
-/* The same of the adjustment of a rig. */
+/* The same for a step of the rig's adjustment. */
 rigcal_status sim_rig_step(rigcal_rig_solver *solver, int32_t budget);
 
 rigcal_status sim_rig_step(rigcal_rig_solver *solver, int32_t budget)
@@ -113,7 +113,7 @@ void port_send(const char text[], size_t n)
         sim.n_serial += n;
         sim.serial[sim.n_serial] = '\0';
     }
-    sim.fed_at += counts_now() - begin; /* hardware would do this */
+    sim.fed_at += counts_now() - begin; /* hardware would do this at the same time */
 }
 
 int port_receive(void)
@@ -145,13 +145,13 @@ const uint8_t *port_flash(int slot)
     return sim.flash[slot];
 }
 
-/* Some of the bits that `to` would change. */
+/* The byte after only some of the changed bits of `to` have been written. */
 static uint8_t partly(uint8_t from, uint8_t to)
 {
     return (uint8_t)(from ^ ((from ^ to) & (uint8_t)next_random()));
 }
 
-/* Changes n bytes one by one until the power goes. Bits of a stuck byte stay 1. */
+/* Changes n bytes one by one until the power is cut. Bits of a stuck byte stay 1. */
 static void work(uint8_t *cell, const uint8_t *to, size_t n)
 {
     for (size_t i = 0; i < n; i++) {
@@ -258,7 +258,7 @@ void sim_place(int camera, const double center[3], double roll)
     }
 }
 
-/* The formulas of rigcal.h for Brown's lens, in doubles. */
+/* The formulas of rigcal.h for Brown's lens, in double. */
 static void pixel(double uv[2], const rigcal_camera *c, const double X_c[3])
 {
     const double x = X_c[0] / X_c[2], y = X_c[1] / X_c[2], q = x * x + y * y;
@@ -353,7 +353,7 @@ sim_end sim_boot(firmware *f)
 
 sim_end sim_run(firmware *f, int most)
 {
-    /* What changes between setjmp and longjmp lives in `sim`. */
+    /* Variables that change between setjmp and longjmp are in `sim`. */
     const int stopped = setjmp(board_stopped);
     if (stopped != 0) {
         return (sim_end)stopped;

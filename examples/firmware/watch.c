@@ -6,20 +6,20 @@
 
 #define R(x) ((rigcal_real)(x))
 
-/* s: from frame to frame. */
+/* s: the time between two frames. */
 #define FRAME_SECONDS R(0.1)
 
-/* While it warms up each camera turns and shifts by so much in the square root of a second
- * [rad, m]. */
+/* While the rig warms up, each camera turns and shifts randomly by this in the square root
+ * of a second [rad, m]. */
 #define WARM_RAD R(2e-5)
 #define WARM_T R(2e-5)
 
-/* One false alarm in a day of ten frames a second. */
+/* One false alarm a day, with ten frames a second. */
 #define ARL0_FRAMES R(864000)
 
 enum {
-    BLAME_FRAMES = 15,  /* after an alarm, until it is said who it was */
-    MENDING_FRAMES = 20 /* and then, until that one is stored */
+    BLAME_FRAMES = 15,  /* after an alarm, until it is known which body moved */
+    MENDING_FRAMES = 20 /* after that, until the new pose is stored */
 };
 
 void watch_clear(firmware_watch *w)
@@ -33,7 +33,7 @@ void watch_clear(firmware_watch *w)
     w->rig.Sigma_capacity = sizeof w->Sigma / sizeof w->Sigma[0];
 }
 
-/* From the rig as it was stored. */
+/* Starts the monitor from the stored rig. */
 static void begin(firmware_watch *w)
 {
     rigcal_monitor_options options;
@@ -56,7 +56,8 @@ static void put_body(line *out, int32_t body)
     }
 }
 
-/* The alarm at once; who it was when there is enough to tell by, and then it is solved. */
+/* Sends the alarm at once. When there is enough data to say which body moved, that body is
+ * solved again. */
 static void answer_alarm(firmware_watch *w, const rigcal_monitor_report *report)
 {
     line out = {{0}, 0};

@@ -32,8 +32,8 @@ DETECTIONS = ["rig", "frame", "camera", "point", "X", "Y", "Z", "u", "v"]
 INTRINSICS = ["fx", "fy", "cx", "cy", "width", "height"]
 COEFFICIENTS = ["k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6"]
 
-# Of one camera, that a camera which stayed counts as moved. 10 000 rigs of four cameras
-# then have a false alarm in 25 evenings.
+# The chance that one camera which stayed counts as moved. 10 000 rigs of four cameras then
+# have a false alarm in 25 evenings.
 ALPHA = 1e-6
 
 ROW = pa.schema(
@@ -47,14 +47,14 @@ ROW = pa.schema(
         "sigma_rotation_deg": pa.float64(),
         "sigma_position": pa.float64(),
         "noise_px": pa.float64(),
-        "moved": pa.bool_(),  # null: not known
-        "stayed": pa.string(),  # the camera against which the next five are
-        "p": pa.float64(),  # the chance of as much by noise alone
+        "moved": pa.bool_(),  # null: unknown
+        "stayed": pa.string(),  # the camera that the next five are relative to
+        "p": pa.float64(),  # the chance that noise alone gives as much
         **dict.fromkeys(["turn_deg", "sigma_turn_deg"], pa.float64()),
         **dict.fromkeys(["shift", "sigma_shift"], pa.float64()),  # of the camera's centre
         "names": pa.string(),  # of the cameras in `stored`
-        "stored": pa.binary(),  # the last extrinsics that are known, of the whole rig
-        "digest": pa.string(),  # of all that the row is made from
+        "stored": pa.binary(),  # the last known poses of all cameras of the rig
+        "digest": pa.string(),  # of all data that the row is made from
     }
 )
 
@@ -77,14 +77,14 @@ def cameras_of(rows: pd.DataFrame) -> dict[str, rigcal.Camera]:
 
 
 def stored_rig(names: str | None, stored: bytes | None) -> rigcal.CalibratedRig | None:
-    """The last extrinsics with their joint covariance; None: there are none."""
+    """The last known poses with their joint covariance. None if there are none."""
     if not isinstance(stored, bytes) or not isinstance(names, str):
         return None
     return rigcal.CalibratedRig.from_bytes(stored, names.split(","))
 
 
 def chance_above(chi_square: float) -> float:
-    """That a chi-square variable of 6 degrees of freedom is larger."""
+    """The chance that a chi-square variable of 6 degrees of freedom is larger."""
     half = chi_square / 2
     return float(np.exp(-half) * (1 + half + half * half / 2))
 
@@ -162,9 +162,8 @@ def changes(
 def calibrate_rig(
     rig: str, rows: pd.DataFrame, intrinsics: pd.DataFrame, last: pd.DataFrame
 ) -> list[dict[str, Any]]:
-    """One row a camera. Whatever is wrong with a rig is in its rows: nothing is raised.
-
-    last: rows of the rig of an earlier evening, or none."""
+    """One row for each camera. Any error of a rig is reported in its rows; no exception is
+    raised. `last` has the rows of the rig of an earlier evening, or none."""
     names = sorted({*map(str, rows.camera.dropna()), *map(str, intrinsics.camera)}) or [""]
     known = dict.fromkeys(["names", "stored"])
     if len(last):
@@ -192,7 +191,7 @@ def calibrate_rig(
             for name, how in moved.items():
                 cameras[name] |= how
         base["reason"] = "\n".join(filter(None, said))
-    except Exception as problem:  # of a fleet, some rig has every fault there is
+    except Exception as problem:  # in a large fleet every kind of fault occurs
         kind = "" if isinstance(problem, rigcal.Error) else f"{type(problem).__name__}: "
         base |= {**known, "verdict": "failed", "reason": f"{kind}{problem}"}
         cameras = {name: {} for name in names}
@@ -200,7 +199,7 @@ def calibrate_rig(
 
 
 def calibrated(rows: pd.DataFrame, intrinsics: pd.DataFrame) -> rigcal.Rig:
-    """The rig. What is doubtful about it is in Rig.warnings."""
+    """Calibrates the rig. Doubts about it are in Rig.warnings."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", rigcal.Caveat)
         return rigcal.calibrate(cameras_of(intrinsics), rows, robust=True, progress=False)
@@ -210,7 +209,7 @@ def calibrated(rows: pd.DataFrame, intrinsics: pd.DataFrame) -> rigcal.Rig:
 
 
 def rows_of(path: str | None, rigs: Sequence[str]) -> pd.DataFrame:
-    """Rows of some rigs in a Parquet file or folder, which may not be there."""
+    """The rows of some rigs from a Parquet file or folder, which may be missing."""
     if path is None or not os.path.exists(path):
         return pd.DataFrame({name: [] for name in ROW.names})
     dataset = pyarrow.dataset.dataset(path, format="parquet")
@@ -218,7 +217,7 @@ def rows_of(path: str | None, rigs: Sequence[str]) -> pd.DataFrame:
 
 
 def in_order(rows: pd.DataFrame) -> pd.DataFrame:
-    """The same order whichever engine brought them, and from whichever files."""
+    """Sorts the rows, so that their order does not depend on engine or files."""
     return rows[DETECTIONS].sort_values(DETECTIONS[1:], ignore_index=True)
 
 
@@ -266,12 +265,12 @@ def to_schema(tables: Iterable[pd.DataFrame]) -> pd.DataFrame:
 
 
 def bucket_of(rig: str, buckets: int) -> int:
-    """The same on every machine, unlike hash()."""
+    """A hash that is the same on every machine, unlike hash()."""
     return zlib.crc32(rig.encode()) % buckets
 
 
 def in_buckets(detections: str, buckets: int) -> dict[int, list[str]]:
-    """The rigs of each bucket: one column is read."""
+    """The rigs of each bucket. Only one column is read."""
     rigs: set[str] = set()
     dataset = pyarrow.dataset.dataset(detections, format="parquet")
     for batch in dataset.to_batches(columns=["rig"]):
@@ -285,7 +284,7 @@ def in_buckets(detections: str, buckets: int) -> dict[int, list[str]]:
 def calibrate_bucket(
     rigs: Sequence[str], detections: str, cameras: str, last: str | None, done: str | None
 ) -> pd.DataFrame:
-    """A task: it reads what it needs, so that it can run again anywhere."""
+    """A task. It reads its own input, so that it can run again on any machine."""
     return calibrate_rows(rows_of(detections, rigs), cameras, last, done)
 
 
@@ -294,14 +293,15 @@ def file_of(out: str, bucket: int, buckets: int) -> pathlib.Path:
 
 
 def write(rows: pd.DataFrame, path: pathlib.Path) -> None:
-    """The whole file or nothing. What is there already and the same is not touched."""
+    """Writes the whole file or nothing. A file with the same content is not touched."""
     table = pa.Table.from_pandas(rows, schema=ROW, preserve_index=False)
     sink = io.BytesIO()
     pyarrow.parquet.write_table(table.replace_schema_metadata(), sink)
     data = sink.getvalue()
     if path.exists() and path.read_bytes() == data:
         return
-    unfinished = path.with_name(f".{path.name}.{os.getpid()}")  # no reader looks at these
+    unfinished = path.with_name(f".{path.name}.{os.getpid()}")  # readers ignore files with
+                                                                # this name
     with open(unfinished, "wb") as file:
         file.write(data)
         file.flush()
@@ -311,7 +311,8 @@ def write(rows: pd.DataFrame, path: pathlib.Path) -> None:
 
 # ---- engines -----------------------------------------------------------------
 
-Work = Iterator[tuple[int, pd.DataFrame]]  # number of a bucket, its rows, in any order
+Work = Iterator[tuple[int, pd.DataFrame]]  # takes the number of a bucket and its rows, in
+                                           # any order
 
 
 def loop(tasks: dict[int, tuple[Any, ...]]) -> Work:
@@ -320,7 +321,7 @@ def loop(tasks: dict[int, tuple[Any, ...]]) -> Work:
 
 
 def dask(client: Any) -> Callable[[dict[int, tuple[Any, ...]]], Work]:
-    """Runs the tasks on a Dask cluster. What a worker had when it died runs elsewhere."""
+    """Runs the tasks on a Dask cluster. Tasks of a worker that dies run on another."""
     from dask.distributed import as_completed
 
     def engine(tasks: dict[int, tuple[Any, ...]]) -> Work:

@@ -4,7 +4,7 @@
 
 writes FOLDER/evening1 and evening2 (Parquet: rig, frame, camera, point, X, Y, Z, u, v),
 cameras.parquet and truth.parquet. Between the evenings some cameras get a knock. Some rigs
-have data of the second evening that are broken, one kind a rig.
+have wrong data on the second evening, each with one kind of error.
 """
 
 from __future__ import annotations
@@ -63,7 +63,7 @@ def make_rig(rng: np.random.Generator, n: int) -> dict[str, dict[str, Any]]:
 
 
 def knock(camera: dict[str, Any], rng: np.random.Generator) -> None:
-    """Turns a camera about its centre, and shifts this."""
+    """Turns a camera about its centre, and shifts the centre."""
     axis, way = rng.normal(size=3), rng.normal(size=3)
     R = rotation(axis / np.linalg.norm(axis) * np.radians(TURN)) @ camera["R"]
     centre = -camera["R"].T @ camera["t"] + way / np.linalg.norm(way) * SHIFT
@@ -105,7 +105,8 @@ def broken(rows: pd.DataFrame, kind: str, rng: np.random.Generator) -> pd.DataFr
 
 
 def write(folder: pathlib.Path, rows: list[pd.DataFrame], rigs_a_file: int) -> None:
-    """Several rigs a file. The first rig of a file has its last rows in the file before."""
+    """Writes several rigs into each file. The last rows of a file are of the first rig of
+    the next file."""
     folder.mkdir(parents=True)
     table = pd.concat(rows, ignore_index=True)
     starts = list(range(0, len(rows), rigs_a_file))
@@ -115,12 +116,12 @@ def write(folder: pathlib.Path, rows: list[pd.DataFrame], rigs_a_file: int) -> N
         stop = start + rigs_a_file
         last = ends[stop] + 5 if stop < len(rows) else len(table)
         part = table[first:last]
-        # Spark reads gzip without a library of the machine's own.
+        # Spark can read gzip without a library of the operating system
         part.to_parquet(folder / f"part-{k:03}.parquet", index=False, compression="gzip")
 
 
 def make(folder: pathlib.Path, rigs: int, places: int, seed: int) -> None:
-    """The whole fleet. A rig is the same whatever the number of rigs."""
+    """Makes the whole fleet. A rig does not depend on the number of rigs."""
     evenings: list[list[pd.DataFrame]] = [[], []]
     cameras, truth = [], []
     for number in range(rigs):

@@ -1,4 +1,4 @@
-"""How fast the fleet is: a loop, Dask and (where it is) Spark, one and two workers.
+"""The speed of a fleet: a loop, Dask and Spark (if installed), one and two workers.
 
 python scale.py [--rigs 200] [--times 3] [--readme]    prints a table, writes it there
 """
@@ -46,7 +46,7 @@ def cluster_of(n: int) -> Iterator[Any]:
 
 
 def processor_seconds() -> float:
-    """Of this process, its workers, and the programs that they have run."""
+    """Memory or time of this process, its workers, and the programs that they ran."""
     me = psutil.Process()
     total = 0.0
     for process in (me, *me.children(recursive=True)):
@@ -72,7 +72,7 @@ def runs(files: tuple[str, str], last: str) -> Iterator[dict[str, Run]]:
 
 
 def spark_runs(files: tuple[str, str], last: str) -> Iterator[tuple[str, Run]]:
-    """The same of Spark, where it is; one session at a time."""
+    """The same with Spark, if it is installed; one session at a time."""
     if importlib.util.find_spec("pyspark") is None:
         return
     import spark
@@ -89,7 +89,7 @@ def spark_runs(files: tuple[str, str], last: str) -> Iterator[tuple[str, Run]]:
 
 @dataclasses.dataclass
 class Timing:
-    """Of the runs of one engine: seconds, processor seconds, and the load before each."""
+    """The runs of one engine: seconds, processor seconds, and the load before each."""
 
     seconds: list[float] = dataclasses.field(default_factory=list)
     busy: list[float] = dataclasses.field(default_factory=list)
@@ -104,13 +104,13 @@ class Timing:
 
     @property
     def cores(self) -> float:
-        """How many cores the machine gave to it, in the mean."""
+        """The mean number of cores that the machine gave to it."""
         return sum(self.busy) / sum(self.seconds)
 
 
 def measure(folder: str, rigs: int, times: int) -> tuple[dict[str, Timing], float]:
-    """Timings by name, and the bytes of the detections. Engines take turns, so that what
-    else the machine does meets all of them."""
+    """Timings by name, and the bytes of the detections. The engines take turns, so that
+    other load of the machine affects all of them."""
     sample = pathlib.Path(folder, "sample")
     make_sample.make(sample, rigs, 10, 1)
     files = str(sample / "evening2"), str(sample / "cameras.parquet")
@@ -165,7 +165,8 @@ def report(found: dict[str, Timing], rows: float, rigs: int, times: int) -> Iter
 
 
 def write(path: pathlib.Path, lines: list[str]) -> None:
-    """Puts the lines in the place of those that the page has, up to how they are made."""
+    """Replaces the lines of the table in the page, except the description of how it is
+    made."""
     text = path.read_text()
     begin, end = text.index("Made by scale.py"), text.index("`python scale.py --readme`")
     path.write_text(text[:begin] + "\n".join(lines) + "\n\n" + text[end:])

@@ -19,7 +19,7 @@ SCHEMA = ", ".join(f"{field.name} {TYPES[str(field.type)]}" for field in fleet.R
 
 
 def whole_rigs(batches: Iterable[pd.DataFrame]) -> Iterator[pd.DataFrame]:
-    """Batches in the order of rigs, cut where a rig ends: Spark cuts anywhere."""
+    """Groups batches into whole rigs, in the order of rigs. Spark cuts batches anywhere."""
     rest = pd.DataFrame()
     for batch in batches:
         rows = pd.concat([rest, batch], ignore_index=True) if len(rest) else batch
@@ -35,7 +35,7 @@ def whole_rigs(batches: Iterable[pd.DataFrame]) -> Iterator[pd.DataFrame]:
 def run(
     session: Any, detections: str, cameras: str, out: str, last: str | None, buckets: int
 ) -> None:
-    """What fleet.run does, by Spark."""
+    """The same as fleet.run, with Spark."""
     folder = pathlib.Path(out)
     folder.mkdir(parents=True, exist_ok=True)
     done = out if any(folder.iterdir()) else None
@@ -58,7 +58,7 @@ def run(
 
 
 def make_session(master: str) -> Any:
-    """On this machine alone: no page, no name to look up."""
+    """A session on this machine only: no web page, no name lookup."""
     from pyspark.sql import SparkSession
 
     return (

@@ -26,7 +26,7 @@ def sample(tmp_path_factory: pytest.TempPathFactory) -> pathlib.Path:
 
 
 def evening(sample: pathlib.Path, number: int, out: Any, **how: Any) -> pathlib.Path:
-    """The files of an evening, by whichever engine."""
+    """Calibrates an evening into files, with any engine."""
     detections, cameras = sample / f"evening{number}", sample / "cameras.parquet"
     assert not fleet.run(str(detections), str(cameras), str(out), buckets=BUCKETS, **how)
     return pathlib.Path(out)
@@ -150,7 +150,7 @@ def test_of_two_cameras_none_can_say_which_moved(rows: pd.DataFrame) -> None:
 def test_the_camera_whose_frame_is_the_rig_can_be_the_one_that_moved(
     sample: pathlib.Path, first: pathlib.Path
 ) -> None:
-    """cam0 of a rig of four: the others stayed, against each other."""
+    """The result for cam0 of a rig of four whose other cameras stayed."""
     rng = np.random.default_rng([1, 2])
     rig = make_sample.make_rig(rng, 4)
     list(make_sample.record(rig, 6, rng))
@@ -278,7 +278,7 @@ def test_dask_gives_the_bits_of_the_loop_though_a_worker_is_killed(
         killed = []
 
         def kill(bucket: int) -> None:
-            """Once, a worker that has work."""
+            """A worker that has work, once."""
             busy = [address for address, work in client.processing().items() if work]
             if busy and not killed:
                 killed.append(pids[busy[0]])
@@ -290,7 +290,7 @@ def test_dask_gives_the_bits_of_the_loop_though_a_worker_is_killed(
         )
         assert killed
         client.wait_for_workers(2, timeout=60)
-        assert killed[0] not in client.run(os.getpid).values()  # a new one in its place
+        assert killed[0] not in client.run(os.getpid).values()  # a new worker replaces it
     assert bytes_of(out) == bytes_of(second)
 
 
@@ -349,7 +349,7 @@ def test_spark_gives_the_bits_of_the_loop(
     session.conf.set("spark.sql.execution.arrow.maxRecordsPerBatch", "500")
     try:
         files = str(sample / "evening2"), str(sample / "cameras.parquet"), str(tmp_path)
-        for _ in range(2):  # once again: all are there
+        for _ in range(2):  # run again, when all files are there
             spark.run(session, *files, last=str(first), buckets=BUCKETS)
     finally:
         session.stop()

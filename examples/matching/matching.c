@@ -1,9 +1,9 @@
-/* matching.c - every corner of one image looked for in the other, by its band alone.
+/* matching.c - finds each corner of one image in the other, by its band alone.
  *
  *   rigcal_matching DATA OUT
  *
  * Given: DATA, two cameras that saw a chessboard in several placements (data/FORMAT.md).
- * Asked: of each corner of the left image, which of the right image's corners it is. The
+ * Asked: for each corner of the left image, which corner of the right image it is. The
  *        rig is calibrated without that placement, so nothing is known of its board.
  * Truth: corners of one number are the same corner.
  *
@@ -18,15 +18,15 @@
 
 enum { PLACES_MAX = 16, POINTS_MAX = 100, VIEWS_MAX = 2 * PLACES_MAX, REPEATS = 200 };
 
-/* The distances at which a board can be [m]; what is drawn: placement, every so many
- * corners. */
+/* The distances at which a board can be [m]. What is drawn: the placement, and one corner
+ * in so many. */
 static const rigcal_real NEAR_M = (rigcal_real)0.2, FAR_M = (rigcal_real)0.8;
 enum { DRAWN_PLACE = 3, DRAWN_EACH = 7, CURVE = 60 };
 
 typedef struct {
     rigcal_camera camera[2]; /* left, right */
     rigcal_observation seen[VIEWS_MAX][POINTS_MAX];
-    rigcal_rig_view views[VIEWS_MAX]; /* left and right of a placement */
+    rigcal_rig_view views[VIEWS_MAX]; /* for each placement: left, then right */
     rigcal_view_pose poses[VIEWS_MAX];
     size_t n_places;
 } stereo;
@@ -73,7 +73,7 @@ static void read_data(stereo *s, const char *folder)
     }
 }
 
-/* The pair of cameras from all placements but one, with what is known of it. */
+/* Calibrates the pair from all placements but one. */
 static void calibrate_without(rigcal_match_pair *pair, stereo *s, size_t place)
 {
     static rigcal_real work[RIGCAL_RIG_WORK(2, 2, PLACES_MAX)];
@@ -95,7 +95,8 @@ static void calibrate_without(rigcal_match_pair *pair, stereo *s, size_t place)
 
     rig.work_capacity = sizeof work / sizeof work[0];
     left_out[2 * place] = left_out[2 * place + 1] = 1;
-    places[place] = s->poses[2 * place].cam_from_target; /* some pose: nobody saw it */
+    places[place] = s->poses[2 * place].cam_from_target; /* any pose will do: no view of it
+                                                            is used */
     check(rigcal_rig_join(&rig, NULL));
     check(rigcal_rig_adjust(&fit, NULL, &rig));
     check(rigcal_rig_noise(sigma, freedom, &rig));
@@ -109,15 +110,16 @@ static void calibrate_without(rigcal_match_pair *pair, stereo *s, size_t place)
                           fit.sigma_px * (rigcal_real)sqrt(fmax(1, fit.F)), 0, 1));
 }
 
-/* What came of the search: corners, those whose true match is in the band, and is the best
- * there; candidates without a band, in it, and in it and the depth range; seconds. */
+/* The counts of the search: corners; corners whose true match is in the band, and is the
+ * best there; candidates without a band, in the band, in the band and the depth range;
+ * seconds. */
 typedef struct {
     size_t corners, held, best, held_in_range, best_in_range;
     size_t all, in_band, in_range;
     double seconds;
 } tally;
 
-/* Corner i of the left image. */
+/* Looks for corner i of the left image. */
 static void look_for(tally *t, FILE *file, rigcal_match_pair *pair, const stereo *s,
                      size_t place, size_t i, const rigcal_ray rays[])
 {
@@ -158,7 +160,7 @@ static void look_for(tally *t, FILE *file, rigcal_match_pair *pair, const stereo
             (int)inside[0], (int)inside[1], best[0], best[1]);
 }
 
-/* The band of one corner, to draw. */
+/* Writes the band of one corner, to be drawn. */
 static void write_band(FILE *file, rigcal_match_pair *pair, const stereo *s, size_t place,
                        size_t i)
 {

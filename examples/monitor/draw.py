@@ -46,7 +46,8 @@ def poses(frames, camera):
 
 
 def changes(frames, camera):
-    """Degrees and length by which a camera's turn and centre differ from the first frame's."""
+    """The angle in degrees and the length by which a camera has turned and moved since the
+    first frame."""
     R, t = poses(frames, camera)
     D = R @ R[0].T
     w = np.stack([D[:, 2, 1] - D[:, 1, 2], D[:, 0, 2] - D[:, 2, 0], D[:, 1, 0] - D[:, 0, 1]], -1)
@@ -98,7 +99,7 @@ def draw_frames(path, out):
 # ---- what it can and cannot see -----------------------------------------------------
 
 def camera(axis, x, y, towards, name):
-    """A camera as a triangle that looks at a point."""
+    """Draws a camera as a triangle that looks at a point."""
     d = np.subtract(towards, (x, y)) / np.linalg.norm(np.subtract(towards, (x, y)))
     side = np.array([-d[1], d[0]])
     p = np.array([x, y])

@@ -19,17 +19,17 @@ static double rms(const double values[], int n)
 /* ---- figures 10 to 13: errors against resolution ------------------------ */
 
 enum {
-    RESIDUAL,      /* of the published objective, camera 1 */
-    ROTATION,      /* camera 1 to the target [deg] */
+    RESIDUAL,      /* value of the published objective, camera 1 */
+    ROTATION,      /* error of camera 1 against the target [deg] */
     TRANSLATION,   /* [cm] */
     MATCH_PAIR,    /* rms distance of the matches from their lines [px] */
-    ROTATION_PAIR, /* camera 1 to camera 2 */
+    ROTATION_PAIR, /* error of camera 2 against camera 1 */
     TRANSLATION_PAIR,
     DEPTH_1, /* rms of the four points [cm], in each camera */
     DEPTH_2,
     POSITION_1,
     POSITION_2,
-    NORM, /* spectral norm of the difference of rotations, camera 1 to target */
+    NORM, /* spectral norm of the error of the rotation, camera 1 against the target */
     NORM_PAIR,
     QUANTITIES
 };
@@ -42,8 +42,8 @@ static const struct {
     {"fig12", "depth_1_cm"},    {"fig12", "depth_2_cm"},   {"fig12", "position_1_cm"},
     {"fig12", "position_2_cm"}, {"fig13", "target"},       {"fig13", "camera"}};
 
-/* SHAPE: the points put where the pose of no guess says, their shape being known,
- * instead of where the rays meet. BOUND: errors drawn from the Cramer-Rao bound. */
+/* SHAPE: the points are where the pose of no guess puts them, because their shape is known,
+ * not where the rays meet. BOUND: errors drawn from the Cramer-Rao bound. */
 enum { PUBLISHED, NO_GUESS, SHAPE, BOUND, METHODS };
 static const char *const method_names[METHODS] = {"published", "no_guess", "shape",
                                                   "bound"};
@@ -59,8 +59,8 @@ static void relative(rigcal_transform *b_from_a, const rigcal_transform pose[2])
                  "two poses have no relation");
 }
 
-/* Depth and position errors of the four points in both cameras, X[k][i] being point
- * i in the frame of camera k. */
+/* Depth and position errors of the four points in both cameras. X[k][i] is point i in the
+ * frame of camera k. */
 static void point_errors(double out[], double X[2][PAPER_POINTS][3],
                          const paper_scene *scene)
 {
@@ -79,7 +79,7 @@ static void point_errors(double out[], double X[2][PAPER_POINTS][3],
     }
 }
 
-/* Where the rays meet: (22)..(24) as published, or least squares in pixels. */
+/* The points where the rays meet: (22)..(24) as published, or least squares in pixels. */
 static int meet(double X[2][PAPER_POINTS][3], const rigcal_transform *b_from_a,
                 const paper_images *images, int published)
 {
@@ -133,7 +133,7 @@ static double match_error(const rigcal_transform *b_from_a, const paper_images *
     return rms(off, PAPER_POINTS);
 }
 
-/* All quantities for the poses of both cameras, but for the points' and the
+/* All quantities for the poses of both cameras, except those of the points and the
  * residual. */
 static void pose_errors(double out[], const rigcal_transform pose[2],
                         const paper_images *images, const paper_scene *scene)
@@ -151,7 +151,7 @@ static void pose_errors(double out[], const rigcal_transform pose[2],
     out[MATCH_PAIR] = match_error(&found, images);
 }
 
-/* The points where the poses put them. */
+/* The errors of the points where the poses put them. */
 static void shape_errors(double out[], const rigcal_transform pose[2],
                          const paper_scene *scene)
 {
@@ -172,8 +172,8 @@ static void fill(double out[QUANTITIES], double value)
     }
 }
 
-/* One method on both images: from its two attempts to all quantities, infinite
- * where it gave none. */
+/* One method on both images: computes all quantities from its two attempts. They are
+ * infinite if it gave no pose. */
 static void errors_of(double out[QUANTITIES], const paper_attempt a[2],
                       const paper_images *images, const paper_scene *scene, int published)
 {
@@ -193,8 +193,8 @@ static void errors_of(double out[QUANTITIES], const paper_attempt a[2],
     }
 }
 
-/* Both cameras, by the published procedure from the library's grid, so that it
- * converges, and by no guess. */
+/* Solves both cameras, by the published procedure from the library's grid, so that it
+ * converges, and without a guess. */
 static void attempts(paper_attempt a[2][PAPER_CAMERAS], const paper_images *images,
                      const paper_scene *scene)
 {
@@ -228,8 +228,8 @@ static double distance_to(const double line[3], const double uv[2])
     return line[0] * uv[0] + line[1] * uv[1] + line[2];
 }
 
-/* Signed distance of uv_b from the line, with parameter `which` moved by `step`: six
- * of each pose, two of the pixel in a. HUGE_VAL where there is no line. */
+/* Signed distance of uv_b from the line if parameter `which` is moved by `step`. There are
+ * six parameters of each pose, and two of the pixel in a. HUGE_VAL: there is no line. */
 static double moved_distance(const rigcal_camera *camera, const rigcal_transform pose[2],
                              const double uv_a[2], const double uv_b[2], int which,
                              double step)
@@ -248,8 +248,8 @@ static double moved_distance(const rigcal_camera *camera, const rigcal_transform
     return line_of(line, camera, moved, uv) ? distance_to(line, uv_b) : HUGE_VAL;
 }
 
-/* 1-sigma of the line's distance from uv_b: both poses' covariances and the pixel's
- * noise, through derivatives by differences. */
+/* One sigma of the line's distance from uv_b. The covariances of both poses and the noise
+ * of the pixel are propagated by difference quotients. */
 static double line_sigma(const rigcal_camera *camera, const rigcal_transform pose[2],
                          const double Sigma[2][36], const double uv_a[2],
                          const double uv_b[2])
@@ -271,8 +271,8 @@ static double line_sigma(const rigcal_camera *camera, const rigcal_transform pos
     return sqrt(sum + PAPER_SIGMA_PX * PAPER_SIGMA_PX * (J[12] * J[12] + J[13] * J[13]));
 }
 
-/* The lines of both methods for one point, whose pixel in a is uv_a, and how far off
- * the true match uv_b they are [px]. 0 when one of them is missing. */
+/* The lines of both methods for one point, whose pixel in a is uv_a, and their distances
+ * from the true match uv_b [px]. Returns 0 if one of the lines is missing. */
 typedef struct {
     double line[2][3], off[2], sigma;
 } matching;
@@ -305,14 +305,14 @@ static int match(matching *m, const paper_attempt a[2][PAPER_CAMERAS],
     return 1;
 }
 
-/* Where the line is at u of image b. */
+/* The v of the line at u in image b. */
 static double line_at(const double line[3], double u)
 {
     return -(line[0] * u + line[2]) / line[1];
 }
 
-/* Lines over image b as parts of its width from its middle, the band of the one of
- * no guess. */
+/* Writes the lines over image b, in parts of its width from its middle, and the band of the
+ * method without a guess. */
 static void draw_lines(FILE *file, const paper_scene *scene, int width)
 {
     paper_images images, exact;
@@ -336,7 +336,7 @@ static void draw_lines(FILE *file, const paper_scene *scene, int width)
         for (int k = 0; k <= 40; k++) {
             const double u = -0.5 + k * width / 40.0;
             const double at[2] = {u, line_at(m.line[NO_GUESS], u)};
-            /* across the line by so many sigma is more than that in v */
+            /* k sigma across the line are more than that in v */
             const double band =
                 line_sigma(&images.camera, pose, (const double(*)[36])Sigma, uv_a, at) /
                 fabs(m.line[NO_GUESS][1]);
@@ -373,14 +373,14 @@ static int unsettled(double *off, const rigcal_camera *camera,
     return 1;
 }
 
-/* Distances of the true matches from their lines, how many of them the band holds, and
- * distances of the lines in image 1 from the true ones [inch]. */
+/* Distances of the true matches from their lines; how many of them the band holds;
+ * distances of the lines in image 1 from the true lines [inch]. */
 typedef struct {
     sample off[2], sigma, unsettled[2];
     int lost, held;
 } matches;
 
-/* The line in image 1 of the point X, by both methods. */
+/* Gathers the line in image 1 of the point X, by both methods. */
 static void gather_unsettled(matches *all, const paper_attempt a[2][PAPER_CAMERAS],
                              const paper_images *images, const paper_scene *scene,
                              const double X[3])
@@ -459,8 +459,8 @@ static void print_matches(FILE *file, matches *all, double depth, int width)
     }
 }
 
-/* The documented scene's lines in image 1, cut off at its borders, in inches from its
- * middle; and how far they are from the true ones. */
+/* Writes the lines of the documented scene in image 1, cut off at its borders, in inches
+ * from its middle, and their distances from the true lines. */
 static void draw_settling(FILE *file, const paper_scene *scene, int width)
 {
     const double middle = (width - 1) / 2.0, inch = PAPER_IMAGE_INCH / width;
@@ -529,8 +529,8 @@ void figure_14_lines(void)
 
 /* ---- figures 10 to 14 over the random placements ------------------------ */
 
-/* How the errors of one camera compare with the bound: sums of squares of turn and
- * move, each over its expectation. */
+/* How the errors of one camera compare with the bound: the sums of squares of turn and
+ * move, each divided by its expectation. */
 typedef struct {
     double turn, move;
     int n;
@@ -564,7 +564,7 @@ static void gather(cell *all, int method, const double values[QUANTITIES])
     }
 }
 
-/* Errors drawn from the bound, as if a method had made them. */
+/* Gathers errors drawn from the bound, as if a method had made them. */
 static void gather_bound(cell *all, const double Sigma[PAPER_CAMERAS][36],
                          const paper_images *images, const paper_scene *scene,
                          paper_rng *rng)
@@ -582,12 +582,12 @@ static void gather_bound(cell *all, const double Sigma[PAPER_CAMERAS][36],
         fill(values, HUGE_VAL);
         pose_errors(values, pose, images, scene);
         shape_errors(values, pose, scene);
-        values[MATCH_PAIR] = HUGE_VAL; /* its pixels would be others */
+        values[MATCH_PAIR] = HUGE_VAL; /* its pixels would be different ones */
         gather(all, BOUND, values);
     }
 }
 
-/* By both methods; the last is the second's with the shape known. */
+/* Computes the errors of all methods; the last is the second with the shape known. */
 static void all_errors(double values[METHODS][QUANTITIES],
                        const paper_attempt a[2][PAPER_CAMERAS], const paper_images *images,
                        const paper_scene *scene)

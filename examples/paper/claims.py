@@ -16,8 +16,8 @@ import sys
 DEPTHS, NEAR, FAR = ("50", "100", "200"), "20", "320"
 OURS, THEIRS = "no_guess", "published"
 
-# What chance may do: to a ratio of medians of 1000 placements, and to the difference
-# of two shares of 2000 attempts (two sigma at 18 %, in points).
+# What chance may change: a ratio of medians of 1000 placements; and the difference of two
+# shares of 2000 attempts (two sigma at 18 %, in percentage points).
 CHANCE, CHANCE_POINTS = 0.10, 2.4
 
 
@@ -27,7 +27,7 @@ def read(data, name):
 
 
 def digest(data):
-    """Which numbers these are."""
+    """A hash that identifies the numbers."""
     whole = hashlib.sha256()
     for path in sorted(data.glob("*.csv")):
         whole.update(path.name.encode() + path.read_bytes())
@@ -446,7 +446,7 @@ PAPER_COUNTS = [
 
 
 def false_part(counts):
-    return 100 * counts[1] / max(sum(counts), 1)  # 0 when nothing converged
+    return 100 * counts[1] / max(sum(counts), 1)  # 0 if nothing converged
 
 
 def three_mislead_more(data):
@@ -518,7 +518,7 @@ CLAIMS = [
 
 
 def judge(data):
-    """(figures, whose, known, holds, claim, measured) of each claim."""
+    """The rows (figures, whose, known, holds, claim, measured), one for each claim."""
     for figures, whose, known, function in CLAIMS:
         holds, measured = function(data)
         yield figures, whose, known, bool(holds), function.__doc__, measured
@@ -534,7 +534,7 @@ def claims_table(data):
 
 
 def of_as_many(total, correct, false):
-    """Shares of correct and false as counts that add up to total."""
+    """Turns the shares of correct and false into counts that add up to total."""
     part = round(total * correct / max(correct + false, 1))
     return f"{part} + {total - part}"
 
@@ -600,7 +600,7 @@ TABLES = {"counts": counts_table, "ends": ends_table, "claims": claims_table,
 
 
 def with_tables(text, data):
-    """README with its tables as the data say."""
+    """README with its tables replaced by those of the data."""
     for name, table in TABLES.items():
         text, found = re.subn(
             rf"(<!-- {name} -->\n).*?(<!-- end of {name} -->)",

@@ -38,7 +38,7 @@ OPEN_DOCUMENTED = Line2D([], [], color="#555555", marker="o", mfc="none", ms=6,
                          ls="", label="open: the documented scene")
 DEPTHS = ("50", "100", "200")
 LINES = (":", "-", "--")  # of the depths
-DRAWN_FROM = ""  # which numbers, told in each SVG
+DRAWN_FROM = ""  # identifies the numbers, in each SVG
 
 plt.rcParams.update({
     "font.family": "DejaVu Sans", "font.size": 10, "axes.titlesize": 10,
@@ -60,7 +60,7 @@ def save(figure, folder, name):
     pixels = io.BytesIO()
     figure.savefig(pixels, format="png", dpi=140)
     plt.close(figure)
-    # 200 colours are enough for these, and half the bytes.
+    # 200 colours are enough for these maps, and halve the bytes
     Image.open(pixels).convert("RGB").quantize(
         200, method=Image.MEDIANCUT, dither=Image.NONE).save(
             folder / f"{name}.png", optimize=True)
@@ -90,7 +90,7 @@ DOT = dict(marker="o", ms=10, mec="white", mew=1.5, ls="", color="#0072b2")
 
 
 def draw_map(axes, rows, title, dot=None):
-    """A cell a guess, its colour what the guess led to."""
+    """A map: one cell for each guess, coloured by what the guess led to."""
     cells = np.array([[int(c) for c in row["outcomes_over_roll"]]
                       for row in rows])
     axes.imshow(cells, origin="lower", extent=(-180, 180, -90, 90),
@@ -423,7 +423,7 @@ def figure_14_settling(data, out):
         for row in lines[:1] + [r for r in lines if r["point"] == "2"][:1]:
             ax.plot(float(row["match_u"]), float(row["match_v"]), "o",
                     color="black", ms=5, zorder=6)
-        # The left end of one line, drawn larger where the image is empty.
+        # Enlarges the left end of one line, where the image is empty.
         inset = ax.inset_axes((0.05, 0.04, 0.28, 0.40))
         for part in (ax, inset):
             for row in lines:

@@ -3,7 +3,7 @@
  *   rigcal_paper [-e N] DIR [FIGURE]...   writes FIGURE.csv into DIR, or all of them
  *
  * -e N: of the depths and resolutions of the long tables, every N-th, from the first.
- * scene.h tells the scene and every setting, solve.h what is compared. */
+ * scene.h has the scene and every setting, solve.h the methods that are compared. */
 #include "figures.h"
 
 #include <stdio.h>

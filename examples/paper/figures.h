@@ -1,4 +1,4 @@
-/* figures.h - one function a figure or two: each writes the tables of its name. */
+/* figures.h - one function for each figure or two. It writes the tables of its name. */
 #ifndef PAPER_FIGURES_H
 #define PAPER_FIGURES_H
 

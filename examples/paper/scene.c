@@ -41,7 +41,8 @@ double paper_uniform(paper_rng *rng, double low, double high)
     return low + (high - low) * (double)(next(rng) >> 11) / 9007199254740992.0;
 }
 
-/* Twelve uniforms: no logarithm, so the same bits everywhere. */
+/* The sum of twelve uniform numbers. It needs no logarithm, so it has the same bits
+ * everywhere. */
 double paper_normal(paper_rng *rng)
 {
     double sum = -6;
@@ -70,7 +71,7 @@ void paper_in_camera(double X_c[3], const rigcal_transform *T, const double X[3]
                  "a point has no place in the camera");
 }
 
-/* t that puts the target's middle at (x, y, 1) depth. */
+/* The t that puts the target's middle at (x, y, 1) times depth. */
 static void place(rigcal_transform *cam_from_target, double x, double y, double depth)
 {
     const double seen_at[3] = {x * depth, y * depth, depth};

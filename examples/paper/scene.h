@@ -64,7 +64,7 @@ PAPER_SETTINGS(PAPER_SETTING)
 
 enum { PAPER_POINTS = 4, PAPER_CAMERAS = 2, PAPER_DEPTHS = 3, PAPER_WIDTHS = 11 };
 
-/* Of figures 9 to 14: 50, 100, 200 cm; 32 to 1024 px. */
+/* Depths and widths of figures 9 to 14: 50, 100, 200 cm; 32 to 1024 px. */
 extern const double paper_depths_cm[PAPER_DEPTHS];
 extern const int paper_widths[PAPER_WIDTHS];
 
@@ -79,7 +79,7 @@ typedef struct {
     uint64_t state;
 } paper_rng;
 
-/* Streams of numbers: of each use of them, for each placement. */
+/* Streams of random numbers: one for each use of them, for each placement. */
 enum { PAPER_PLACING, PAPER_GUESSING, PAPER_DRAWING, PAPER_MATCHING };
 paper_rng paper_stream(int use, int k);
 
@@ -88,8 +88,8 @@ double paper_normal(paper_rng *rng);
 
 /* ---- scenes ------------------------------------------------------------- */
 
-/* The four points, in cm: no plane holds them, and their six distances are 17 to
- * 25 cm. With three, the first three. */
+/* The four points [cm]. They are not in one plane, and their six distances are 17 to 25 cm.
+ * Scenes of three points use the first three. */
 extern const double paper_points[PAPER_POINTS][3];
 
 /* Both cameras see the target's middle at `depth_cm` along their axes. */
@@ -100,13 +100,13 @@ typedef struct {
 /* The one scene of ours that stands for the paper's. */
 void paper_scene_documented(paper_scene *scene, double depth_cm);
 
-/* Placement k of the random ones: the same but for the depth at any depth. */
+/* Random placement k. The placement is the same at each depth, except for the depth. */
 void paper_scene_random(paper_scene *scene, int k, double depth_cm);
 
 /* ---- images ------------------------------------------------------------- */
 
-/* What both cameras see. A perfect image has exact rays; its pixels, needed by the
- * solver that works in pixels, are rounded only as doubles are. */
+/* What both cameras see. A perfect image has exact rays. Its pixels, for the solver that
+ * works in pixels, have only the rounding of doubles. */
 typedef struct {
     rigcal_camera camera; /* both are alike */
     int digital;
@@ -118,7 +118,8 @@ enum { PAPER_PERFECT = 0, PAPER_DIGITAL = 1 };
 
 void paper_look(paper_images *images, const paper_scene *scene, int width, int digital);
 
-/* Where camera k images a point of the target's frame; rounded when digital. */
+/* The pixel of a point of the target's frame in camera k, rounded if the image is
+ * digital. */
 void paper_see_point(double uv[2], const paper_images *images, const paper_scene *scene,
                      int k, const double X[3]);
 
@@ -126,7 +127,7 @@ void paper_see_point(double uv[2], const paper_images *images, const paper_scene
 void paper_middle(double X[3]);
 void paper_in_camera(double X_c[3], const rigcal_transform *T, const double X[3]);
 
-/* The program's own mistakes, which end it. */
+/* Ends the program if a fact about the program itself does not hold. */
 void paper_expect(int fact, const char *what);
 
 #endif

@@ -1,5 +1,5 @@
-/* Where searches end: figures 3 to 9, the paper's counts, and what the choices of the
- * procedure do. */
+/* Where searches end: figures 3 to 9, the paper's counts, and the effects of the
+ * procedure's choices. */
 #include <math.h>
 #include <string.h>
 
@@ -11,7 +11,8 @@ static const char *const outcome_names[PAPER_OUTCOMES] = {"none", "false", "corr
 
 /* ---- guesses ------------------------------------------------------------ */
 
-/* Node i of a grid `step` apart, from `edge` on, in the middle of its cell. */
+/* Node i, in the middle of its cell, of a grid with spacing `step` that begins at
+ * `edge`. */
 static double node(double edge, double step, int i)
 {
     return edge + (i + 0.5) * step;
@@ -24,7 +25,7 @@ static void guess(paper_procedure *p, double yaw, double pitch, double roll)
     p->guess[2] = roll * PAPER_DEGREE;
 }
 
-/* Pitch and roll off the truth by so much; yaw too. */
+/* Sets a guess whose pitch and roll are off the truth by these angles; yaw too. */
 static void guess_near(paper_procedure *p, const paper_scene *scene, int c,
                        const double off_degrees[3])
 {
@@ -49,7 +50,7 @@ static void count(tally *t, const paper_attempt *a)
  *
  * Three points, four, and four with all pairs used to eliminate. */
 
-/* A row of the map, as digits. */
+/* Prints a row of the map as digits. */
 static void print_row(FILE *file, paper_procedure *p, const paper_images *images,
                       const paper_scene *scene, int c, double yaw, double pitch)
 {
@@ -112,7 +113,7 @@ void figure_8(void)
 
 /* ---- three points without a guess ------------------------------------------ */
 
-/* All the poses in the documented scene, for the maps. */
+/* Prints all poses in the documented scene, for the maps. */
 static void three_documented(FILE *file, int digital)
 {
     paper_scene scene;
@@ -137,7 +138,7 @@ static void three_documented(FILE *file, int digital)
     }
 }
 
-/* How often the truth is among the poses, and how many there are. */
+/* Counts how often the truth is among the poses, and how many poses there are. */
 static void three_random(FILE *file, int digital)
 {
     int tried = 0, found = 0, poses_in_all = 0;
@@ -182,7 +183,7 @@ static const struct {
     int angles, pairs_used;
 } rivals[] = {{"two_angles", 2, 2}, {"two_angles_all", 2, 0}, {"three_angles", 3, 2}};
 
-/* Random placements, each from one random guess of pitch and roll. */
+/* Searches in random placements, each from one random guess of pitch and roll. */
 static void race(FILE *file, int rival, double yaw_off)
 {
     static sample evals;
@@ -276,7 +277,7 @@ static void print_share(FILE *file, double depth, int width, int points, const c
             t->tried, t->count[PAPER_CORRECT], t->count[PAPER_FALSE]);
 }
 
-/* Camera c from every guess of the coarse grid. */
+/* Searches for camera c from every guess of the coarse grid. */
 static void sweep(tally *t, const paper_procedure *procedure, const paper_images *images,
                   const paper_scene *scene, int c)
 {
@@ -292,7 +293,7 @@ static void sweep(tally *t, const paper_procedure *procedure, const paper_images
     }
 }
 
-/* The documented scene, as in the paper. */
+/* Counts in the documented scene, as in the paper. */
 static void share_documented(FILE *file, double depth, int width, int digital)
 {
     paper_scene scene;
@@ -319,7 +320,7 @@ static void share_documented(FILE *file, double depth, int width, int digital)
     print_share(file, depth, width, PAPER_POINTS, "no_guess", "documented", &own);
 }
 
-/* Each random placement from a random guess. */
+/* Counts over the random placements, each from a random guess. */
 static void share_random(FILE *file, double depth, int width, int digital)
 {
     tally t[2] = {{{0}, 0, 0}, {{0}, 0, 0}}, own = {{0}, 0, 0};
@@ -413,7 +414,7 @@ void figure_6(void)
     table_close(file);
 }
 
-/* How many of the guesses over all directions converge at each depth. */
+/* The number of guesses, over all directions, that converge at each depth. */
 void figure_6_share(void)
 {
     FILE *const file = table_open("fig06_share");
@@ -452,8 +453,8 @@ void figure_9(void)
 enum { EVERYWHERE, NEAR, MAP, SPREADS };
 static const char *const spread_names[SPREADS] = {"everywhere", "near", "map"};
 
-/* The guess of yaw: none, near the truth, and as far from that as the paper's two
- * guesses of yaw are from each other. */
+/* The guess of yaw: none; near the truth; or as far from that as the paper's two guesses of
+ * yaw are from each other. */
 enum { NO_YAW, NEAR_YAW, APART_YAW };
 
 /* 30 and 41 guesses are the sums of the paper's counts of figures 3 and 8. How many
@@ -488,7 +489,7 @@ static void spread(paper_procedure *p, int where, int i, int n, const double tru
     }
 }
 
-/* One row of the table: all guesses of one spread. */
+/* Prints one row of the table: all guesses of one spread. */
 static void count_guesses(FILE *file, int row, int where)
 {
     const double off[3] = {0, PAPER_NEAR_YAW, PAPER_NEAR_YAW + PAPER_YAW_APART};
@@ -521,7 +522,7 @@ static void count_guesses(FILE *file, int row, int where)
             t.behind);
 }
 
-/* Where camera 1's search from this guess ends. */
+/* Prints where camera 1's search from this guess ends. */
 static void print_end(FILE *file, int points, double pitch, double roll)
 {
     paper_procedure p = paper_published(points);
@@ -576,7 +577,7 @@ static const struct {
                {"yaw_all", RIGCAL_YAW, 0},   {"pitch_all", RIGCAL_PITCH, 0},
                {"roll_all", RIGCAL_ROLL, 0}, {"best_all", RIGCAL_BEST_CONDITIONED, 0}};
 
-/* Rotation error over the bound's 1-sigma of all three axes. */
+/* The rotation error, divided by the bound's sigma of all three axes. */
 static double over_sigma(const paper_attempt *a, const double Sigma[36])
 {
     return a->has_pose ? a->degrees * PAPER_DEGREE / sqrt(Sigma[0] + Sigma[7] + Sigma[14])
@@ -639,7 +640,8 @@ void figure_choices(void)
     table_close(file);
 }
 
-/* All fifteen choices of two pairs among six, by cond(A): two bins a decade. */
+/* Tries all fifteen choices of two pairs among six, sorted by cond(A) into two bins a
+ * decade. */
 void figure_conditions(void)
 {
     enum { BINS = 10, PAIRS = 6 };

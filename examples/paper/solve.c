@@ -27,7 +27,7 @@ void paper_true_angles(double ypr[3], const paper_scene *scene, int c)
                  "a rotation has no angles");
 }
 
-/* How far the first n points miss their images, rms, in focal lengths. */
+/* The rms distance of the first n points from their images, in focal lengths. */
 static double miss_of(const rigcal_transform *pose, const paper_images *images, int c,
                       int n)
 {
@@ -50,7 +50,7 @@ static double miss_of(const rigcal_transform *pose, const paper_images *images, 
     return sqrt(sum);
 }
 
-/* Solution or none, correct or false. */
+/* Decides whether the attempt has a solution, and whether it is correct. */
 static void judge(paper_attempt *a, const paper_images *images, const paper_scene *scene,
                   int c, int n)
 {
@@ -88,7 +88,7 @@ void paper_solve(paper_attempt *attempt, const paper_procedure *procedure,
     if (rigcal_pairs_choose(chosen, PAIRS, &n_pairs, seen, (size_t)procedure->n) !=
             RIGCAL_OK ||
         procedure->first[0] >= (int)n_pairs || procedure->first[1] >= (int)n_pairs) {
-        return; /* two points on one pixel, or all on a line of pixels */
+        return; /* two points have one pixel, or all pixels are on a line */
     }
     pairs[0] = chosen[procedure->first[0]];
     pairs[1] = chosen[procedure->first[1]];
@@ -108,7 +108,7 @@ void paper_solve(paper_attempt *attempt, const paper_procedure *procedure,
                  "the published procedure refuses a scene");
     while (rigcal_paper_step(&solver, INT32_MAX) == RIGCAL_RUNNING) {
     }
-    attempt->evals = solver.evals; /* of a search that fails, too */
+    attempt->evals = solver.evals; /* also if the search fails */
     status = rigcal_paper_result(&pose, &solver);
     if (status < 0) {
         attempt->behind = status == RIGCAL_ERR_BEHIND;
@@ -137,7 +137,7 @@ static double residual_at(const rigcal_transform *pose, const rigcal_bearing see
     return at.residual;
 }
 
-/* What camera c saw of the first n points. */
+/* The view of the first n points by camera c. */
 static rigcal_view first_points(const paper_images *images, int c, size_t n)
 {
     const rigcal_view view = {&images->camera, images->seen[c], NULL, n};
@@ -173,7 +173,7 @@ int paper_solve_three(rigcal_transform poses[RIGCAL_POSES_MAX], int *right,
 
     *right = -1;
     (void)rigcal_pose_defaults(&options);
-    if (images->digital) { /* where two exact poses have become one that is not exact */
+    if (images->digital) { /* two exact poses may have merged into one that is not exact */
         options.sigma_px = PAPER_SIGMA_PX;
     }
     if (rigcal_pose_solve(found, RIGCAL_POSES_MAX, &n_found, NULL, &view, &options) < 0) {

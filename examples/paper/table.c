@@ -44,7 +44,8 @@ static int by_size(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* Of the sorted: no interpolation, so infinities stay what they are. */
+/* A quantile of the sorted values. It does not interpolate, so infinite values stay
+ * infinite. */
 static double quantile(const sample *s, double part)
 {
     return s->n > 0 ? s->value[(int)(part * (s->n - 1) + 0.5)] : HUGE_VAL;

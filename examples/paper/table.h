@@ -7,17 +7,17 @@
 /* Where the tables go; set once by main. */
 extern const char *table_folder;
 
-/* Of the depths of fig06_share, and of the resolutions of fig09 and of fig10-14, one in so
- * many is done: 1, all; set once by main. */
+/* The fraction of the long tables that is made: one depth of fig06_share, or resolution of
+ * fig09 and fig10-14, in this many. 1: all. main sets it once. */
 extern int table_every;
 
-/* NAME.csv there; a file that cannot be written ends the program. */
+/* Opens NAME.csv in that folder. The program ends if it cannot be written. */
 FILE *table_open(const char *name);
 void table_close(FILE *file);
 
 enum { SAMPLE_MAX = 8000 };
 
-/* Infinite where a method gave nothing. */
+/* The value is infinite if a method gave no result. */
 typedef struct {
     double value[SAMPLE_MAX];
     int n;
@@ -25,7 +25,7 @@ typedef struct {
 
 void sample_add(sample *s, double value);
 
-/* ",q25,median,q75" */
+/* Prints ",q25,median,q75". */
 void sample_print(FILE *file, sample *s);
 
 #endif

@@ -38,7 +38,7 @@ def pose(row, prefix=""):
 
 
 def compose(a, b):
-    """a after b, both (R, t)."""
+    """The transform a after b; each is (R, t)."""
     R = [sum(a[0][3 * i + k] * b[0][3 * k + j] for k in range(3))
          for i in range(3) for j in range(3)]
     return R, [x + t for x, t in zip(mul(a[0], b[1]), a[1])]
@@ -49,7 +49,7 @@ def apply(T, X):
 
 
 class Plot:
-    """Axes of a curve: a frame with ticks, and where a value stands in it."""
+    """The axes of a curve: a frame with ticks, and the position of a value in it."""
 
     def __init__(self, picture, box, xs, ys):
         self.picture, self.box, self.xs, self.ys = picture, box, xs, ys
@@ -79,7 +79,7 @@ class Plot:
 # ---- a real rig ------------------------------------------------------------------------
 
 def board_corners(data):
-    """X, Y, Z of the corners of the board by point."""
+    """The corners of the board: X, Y, Z by point."""
     return {int(row["point"]): numbers(row, "XYZ")
             for row in read(data / "observations.csv") if row["frame"] == "01"}
 
@@ -133,14 +133,15 @@ def draw_rig(folder):
 # ---- frames ----------------------------------------------------------------------------
 
 def turned(yaw, pitch):
-    """Rows: the axes of a camera that looks yaw to the right and pitch down, degrees."""
+    """The axes, as rows, of a camera that looks `yaw` degrees to the right and `pitch`
+    down."""
     c, s = math.cos(math.radians(yaw)), math.sin(math.radians(yaw))
     d, e = math.cos(math.radians(pitch)), math.sin(math.radians(pitch))
     return [c, 0, -s, -s * e, d, -c * e, s * d, e, c * d]
 
 
 def curved(picture, a, b, bend, stroke):
-    """An arrow along an arc that leaves the straight way by `bend` pixels."""
+    """An arrow along an arc that is `bend` pixels off the straight line."""
     dx, dy = b[0] - a[0], b[1] - a[1]
     d = math.hypot(dx, dy)
     middle = ((a[0] + b[0]) / 2 - 2 * bend * dy / d, (a[1] + b[1]) / 2 + 2 * bend * dx / d)
@@ -448,7 +449,7 @@ def draw_graph(folder):
             picture.line(at[a], at[b], "blue", 1.5 + 1.5 * n)
             x, y = (at[a][0] + at[b][0]) / 2, (at[a][1] + at[b][1]) / 2
             lines = f"{n} shared", f"{float(row['sigma_deg']):.2f}°"
-            if at[a][1] == at[b][1]:  # above and below the line, else beside it
+            if at[a][1] == at[b][1]:  # text above and below the line, or else beside it
                 picture.text((x, y - 8), lines[0], "ink", 12.5, "middle")
                 picture.text((x, y + 17), lines[1], "ink", 12.5, "middle")
             else:
@@ -528,7 +529,7 @@ NUMBER = re.compile(r"-?\d+(?:\.\d+)?")
 
 
 def differs(kept, made):
-    """What is different, or nothing."""
+    """Says what is different, or nothing."""
     if NUMBER.sub("0", kept) != NUMBER.sub("0", made):
         return "other shapes or words"
     for a, b in zip(WORDS.findall(kept), WORDS.findall(made)):

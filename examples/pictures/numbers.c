@@ -134,8 +134,8 @@ static void moments_of(rigcal_moments *sums, const rigcal_real V[9],
     stop_if(!rc_moments_finish(sums), "the target has no extent");
 }
 
-/* sphere.csv: for both halves of the sphere a square grid over (x, y) of the direction;
- * outside the circle stands the value at its rim. */
+/* Writes sphere.csv: for both halves of the sphere a square grid over (x, y) of the
+ * direction. Outside the circle it has the value at the circle. */
 static void write_sphere(const char *folder, const rigcal_moments *sums)
 {
     FILE *f = file(folder, "sphere", "half,row,column,cost");
@@ -319,7 +319,7 @@ static void write_graph(const char *folder)
 /* ---- a rig that is bumped ------------------------------------------------------------ */
 
 enum { WATCHED = 3, WATCHED_BOARDS = 10, FRAMES = 360, BUMP = 150, MATCHES = 20, FPS = 15 };
-static const double TURNED_DEG = 0.2; /* camera b, about its vertical */
+static const double TURNED_DEG = 0.2; /* of camera b, about its vertical */
 
 static rigcal_transform watched(int camera, double turned_deg)
 {

@@ -40,7 +40,7 @@ PYTHON=$(find_python) || {
 out=build/pictures
 rm -rf "$out"
 mkdir -p "$out/matching"
-calibrate() { # CAMERAS OBSERVATIONS FOLDER MORE...
+calibrate() { # calibrate CAMERAS OBSERVATIONS FOLDER [OPTION...]
     cameras=$1 observations=$2 folder=$3
     shift 3
     "$built/rigcal" calibrate --cameras "$cameras" --observations "$observations" \

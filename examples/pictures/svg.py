@@ -21,7 +21,7 @@ COLOURS = {
     "gold": ("#a86f00", "#f0b429"),
     "sun": ("#ffc53d", "#ffc53d"),
 }
-# From the lowest to the highest of a map.
+# Colours from the lowest to the highest value of a map.
 STEPS = [("#08519c", "#9ecae1"), ("#2b7bba", "#6baed6"), ("#5aa2cf", "#4292c6"),
          ("#8cc0dd", "#2f75a8"), ("#b7d4ea", "#235b86"), ("#d6e5f4", "#1a4163"),
          ("#ebf2fa", "#142c43")]
@@ -44,7 +44,7 @@ class Picture:
         self.parts, self.used, self.clips = [], {("f", "page")}, 0
 
     def look(self, fill, stroke, width, dash, opacity):
-        """Attributes of a shape; a colour that is not named is none."""
+        """The attributes of a shape. If no colour is named, it has none."""
         classes = []
         for kind, name in (("f", fill), ("s", stroke)):
             if name:
@@ -64,7 +64,8 @@ class Picture:
         self.parts.append(f'<path d="{d}"{self.look(fill, stroke, width, dash, opacity)}/>')
 
     def paths(self, lists, fill=None, stroke=None, width=1, opacity=1):
-        """Closed curves as one shape: what is inside an even number of them is outside."""
+        """Closed curves as one shape. A place is inside if it is inside an odd number of
+        them."""
         d = "".join("M" + "L".join(f"{short(x)},{short(y)}" for x, y in points) + "z"
                     for points in lists)
         if d:
@@ -107,7 +108,7 @@ class Picture:
 
     def text(self, at, text, fill="ink", size=14, anchor="start", bold=False, mono=False,
              halo=False):
-        """Several lines where the text has line ends. halo: readable on a drawing."""
+        """A text; line ends make several lines. halo: makes it readable on a drawing."""
         self.used.add(("f", fill))
         for k, line in enumerate(text.split("\n")):
             if halo:
@@ -120,7 +121,8 @@ class Picture:
                 + (' font-weight="600"' if bold else "") + f">{escaped(line)}</text>")
 
     def begin_clip(self, shape):
-        """What follows until end_clip is seen only inside the shape, an SVG element."""
+        """What follows, until end_clip, is drawn only inside the shape, which is an SVG
+        element."""
         self.clips += 1
         self.parts.append(f'<clipPath id="c{self.clips}">{shape}</clipPath>'
                           f'<g clip-path="url(#c{self.clips})">')
@@ -158,8 +160,9 @@ def mul_t(R, x):
 
 
 class Side:
-    """Points (x right, y down, z forward) seen from afar: turned about y by `turn` degrees,
-    then tipped about x by `tip`, `scale` pixels a unit, the point `middle` at `at`."""
+    """Points (x right, y down, z forward) seen from far away. They are turned about y by
+    `turn` degrees, then tipped about x by `tip`. The scale is `scale` pixels a unit, and
+    the point `middle` is at `at`."""
 
     def __init__(self, turn, tip, scale, middle, at):
         c, s = math.cos(math.radians(turn)), math.sin(math.radians(turn))
@@ -210,8 +213,8 @@ def draw_axes(picture, side, R, o, size, names=("x", "y", "z"), font=14, away=1.
 # ---- maps: the parts of a grid below a level ---------------------------------------------
 
 def below(grid, level):
-    """Closed curves around what is below the level, as (column, row): marching squares.
-    Outside the grid everything is above."""
+    """Closed curves around the area below the level, as (column, row), by marching squares.
+    Everything outside the grid counts as above."""
     rows, columns = len(grid), len(grid[0])
 
     def value(i, j):
@@ -227,7 +230,7 @@ def below(grid, level):
             at = [(j, i), (j + 1, i), (j + 1, i + 1), (j, i + 1)]
             v = [value(y, x) for x, y in at]
             inside = [x < level for x in v]
-            # Edges where the curve enters and leaves, with what is below on its right.
+            # The edges where the curve enters and leaves, with the area below on its right.
             enter = [k for k in range(4) if not inside[k] and inside[(k + 1) % 4]]
             leave = [k for k in range(4) if inside[k] and not inside[(k + 1) % 4]]
             for e in enter:

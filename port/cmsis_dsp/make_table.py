@@ -15,7 +15,7 @@ def to_float(x):
 
 
 def with_bits(x, bits):
-    """x > 0 cut off to so many bits."""
+    """The first bits of x > 0, the others cut off."""
     exponent = math.frexp(float(x))[1]
     unit = Fraction(2) ** (exponent - bits)
     return x // unit * unit
@@ -26,7 +26,7 @@ def literal(x):
 
 
 def sine(k):
-    """Of k parts of a turn; exactly 0, 1 and -1 where it is."""
+    """The sine of k parts of a turn; exactly 0, 1 or -1 where that is the value."""
     quarter = PER_TURN // 4
     if k % quarter == 0:
         return (0, 1, 0, -1)[k // quarter % 4]

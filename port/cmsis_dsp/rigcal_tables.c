@@ -42,7 +42,7 @@ static const float SINE[80] = {
 };
 /* clang-format on */
 
-/* x as k steps, whose index in the table is returned, and a rest. */
+/* Splits x into k steps, whose index in the table is returned, and a rest d. */
 static uint32_t reduce(float *d, float x)
 {
     const int32_t k = (int32_t)(x * STEPS_A_RADIAN + (x < 0 ? -0.5f : 0.5f));
@@ -52,7 +52,7 @@ static uint32_t reduce(float *d, float x)
     return (uint32_t)k & 63;
 }
 
-/* s cos d + c sin d, the small terms summed first. */
+/* s cos d + c sin d, with the small terms summed first. */
 static float turned(float s, float c, float d)
 {
     const float d2 = d * d;

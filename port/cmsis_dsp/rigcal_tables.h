@@ -10,8 +10,8 @@
 float rigcal_table_sinf(float x);
 float rigcal_table_cosf(float x);
 
-/* One instruction. libm's sqrtf, for the sake of errno, is that and a comparison
- * with a call behind it. */
+/* One instruction. libm's sqrtf is that instruction, a comparison and a call that sets
+ * errno. */
 static inline float rigcal_fpu_sqrtf(float x)
 {
 #if defined(__GNUC__) && defined(__ARM_FP) && (__ARM_FP & 4)

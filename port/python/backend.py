@@ -1,7 +1,7 @@
 """Builds the package: scikit-build-core, and what it does not do.
 
-The C sources lie two folders up in a checkout and in c/ of an sdist, which is made to
-build alone. The version is that of include/rigcal.h.
+The C sources are two folders up in a checkout, and in c/ of an sdist, which must build
+without the checkout. The version is that of include/rigcal.h.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from scikit_build_core.build import *  # noqa: F403
 HERE = pathlib.Path(__file__).resolve().parent
 OWN = HERE / "c"  # of an sdist
 CHECKOUT = HERE.parents[1]
-# What the build takes from the checkout.
+# Files that the build takes from the checkout.
 TAKEN = ("LICENSE", "CMakeLists.txt", "include/*.h", "src/*.[ch]", "examples/cli*.[ch]",
          "examples/rigcal_cli.c")  # fmt: skip
 
@@ -38,7 +38,7 @@ def version() -> str:
 
 
 def dynamic_metadata(field: str, settings: dict[str, Any]) -> str:
-    """What scikit-build-core asks for the version."""
+    """Answers scikit-build-core's question for the version."""
     if field != "version" or settings:
         raise RuntimeError(f"there is no {field} here")
     return version()
@@ -46,7 +46,7 @@ def dynamic_metadata(field: str, settings: dict[str, Any]) -> str:
 
 @contextlib.contextmanager
 def alone() -> Iterator[None]:
-    """In a copy of this folder with all that the build takes in c/, as an sdist has it."""
+    """Builds in a copy of this folder, with all C sources in c/, as in an sdist."""
     before = os.getcwd()
     with tempfile.TemporaryDirectory() as work:
         copy = pathlib.Path(work) / HERE.name

@@ -45,14 +45,14 @@ rigcal_status rigcal_batch_layout(rigcal_layout_entry *entry, int32_t index)
     return RIGCAL_OK;
 }
 
-/* Whether an item's numbers are not there: a failure, or what writes nothing either. */
+/* Whether an item has no numbers: it failed, or its status says that none were written. */
 static int is_missing(rigcal_status status)
 {
     return status < 0 || status == RIGCAL_DISCONNECTED;
 }
 
-/* Stores an item's status. Numbers that are not there become NaN. Returns 1 for a failure,
- * else 0. */
+/* Stores the status of an item. Numbers that do not exist become NaN. Returns 1 for a
+ * failure, else 0. */
 static size_t end_item(int32_t *status, rigcal_status got, rigcal_real numbers[],
                        size_t n_numbers)
 {
@@ -65,7 +65,7 @@ static size_t end_item(int32_t *status, rigcal_status got, rigcal_real numbers[]
 
 /* ==== poses ================================================================== */
 
-/* One view as the library takes it, with its points in the memory to work in. */
+/* One view in the form of the library. Its points are in the work memory. */
 static rigcal_view gather(rigcal_real work[], const rigcal_batch_views *views, size_t k)
 {
     const size_t first = (size_t)views->first[k], n = (size_t)views->first[k + 1] - first;
@@ -272,7 +272,7 @@ size_t rigcal_batch_turning_rays(rigcal_ray rays[], int32_t status[],
 
 /* ==== points ================================================================= */
 
-/* Who saw point k; returns how many did. */
+/* The cameras that saw point k. Returns their number. */
 static size_t see(rigcal_sighting seen[], const rigcal_real *const uv_of[],
                   size_t n_cameras, size_t k)
 {
@@ -287,7 +287,7 @@ static size_t see(rigcal_sighting seen[], const rigcal_real *const uv_of[],
     return n;
 }
 
-/* What a point that was not measured holds. */
+/* The contents of a point that was not measured. */
 static void clear_point(rigcal_measured_point *point)
 {
     const rigcal_real nan = (rigcal_real)NAN;
@@ -380,7 +380,7 @@ size_t rigcal_batch_curves(rigcal_band_point points[], size_t capacity, int32_t 
     return failed;
 }
 
-/* What a candidate that was not tested holds. */
+/* The contents of a candidate that was not tested. */
 static void clear_match(rigcal_match *match)
 {
     const rigcal_real nan = (rigcal_real)NAN;

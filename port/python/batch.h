@@ -30,34 +30,34 @@ RIGCAL_API rigcal_status rigcal_batch_layout(rigcal_layout_entry *entry, int32_t
  * and sigma. */
 typedef struct rigcal_batch_views {
     const rigcal_camera *cameras;
-    const int32_t *camera_of; /* of each view, which camera; NULL: cameras[0] */
-    const rigcal_real *X;     /* of each point, 3 */
-    const rigcal_real *uv;    /* of each point, 2 */
-    const rigcal_real *sigma; /* of each point, as in rigcal_view; NULL: all equal */
+    const int32_t *camera_of; /* for each view, which camera; NULL: cameras[0] */
+    const rigcal_real *X;     /* 3 for each point */
+    const rigcal_real *uv;    /* 2 for each point */
+    const rigcal_real *sigma; /* for each point, as in rigcal_view; NULL: all equal */
     const int64_t *first;     /* n + 1 */
     int32_t is_one_target;    /* 1: X has the points of one target, and each view saw all of
                                  them in this order; 0: X has those of all views, as uv */
 } rigcal_batch_views;
 
-/* What became of one view. */
+/* The result of one view. */
 typedef struct rigcal_batch_result {
     int32_t status;     /* of the pose */
-    int32_t covariance; /* status of the covariance; -7 where there is no pose */
-    int32_t at_fault;   /* point of the view; -1 */
+    int32_t covariance; /* status of the covariance; -7 if there is no pose */
+    int32_t at_fault;   /* index of a point of the view; -1: none */
     int32_t n_found;    /* poses */
-    int32_t n_inliers;  /* of a robust pose; else the number of points */
+    int32_t n_inliers;  /* of a robust pose; otherwise the number of points */
 } rigcal_batch_result;
 
-/* Where the answers go. */
+/* Where the results go. */
 typedef struct rigcal_batch_solved {
-    rigcal_pose *poses; /* most of each view, best first */
+    rigcal_pose *poses; /* at most `most` for each view, best first */
     size_t most;        /* 1 .. RIGCAL_POSES_MAX */
     rigcal_batch_result *results;
     rigcal_pose_uncertainty *uncertainties; /* of the best pose; NULL: not wanted */
-    uint8_t *inliers; /* of each point, as uv; written by rigcal_batch_robust alone */
+    uint8_t *inliers; /* for each point, as uv; only rigcal_batch_robust writes it */
 } rigcal_batch_solved;
 
-/* Reals to work in, of views of at most so many points. */
+/* Reals of work memory for views of at most n_points points. */
 #define RIGCAL_BATCH_WORK(n_points) (6 * (size_t)(n_points))
 
 /* rigcal_pose_solve and rigcal_pose_covariance; rigcal_robust_solve, with the covariance of
@@ -76,7 +76,7 @@ RIGCAL_API size_t rigcal_batch_tags(const rigcal_batch_solved *solved,
 
 /* ==== pixels and rays ======================================================== */
 
-/* rigcal_camera_project of points that are in the world, or, cam_from_world NULL, in the
+/* rigcal_camera_project for points in the world or, if cam_from_world is NULL, in the
  * camera's frame. */
 RIGCAL_API size_t rigcal_batch_project(rigcal_real uv[], int32_t status[],
                                        const rigcal_camera *camera,
@@ -124,12 +124,12 @@ RIGCAL_API size_t rigcal_batch_bands(rigcal_band bands[], int32_t status[],
                                      const rigcal_match_pair *pair,
                                      const rigcal_real uv_a[], size_t n);
 
-/* rigcal_band_curve of each band: capacity places of each. */
+/* rigcal_band_curve for each band, with `capacity` places for each. */
 RIGCAL_API size_t rigcal_batch_curves(rigcal_band_point points[], size_t capacity,
                                       int32_t n_written[], int32_t status[],
                                       const rigcal_band bands[], size_t n);
 
-/* rigcal_band_test of pixel k by band k, or, is_one_band 1, by bands[0]. */
+/* rigcal_band_test of pixel k by band k; if is_one_band is 1, by bands[0]. */
 RIGCAL_API size_t rigcal_batch_tests(rigcal_match matches[], int32_t status[],
                                      const rigcal_band bands[], int32_t is_one_band,
                                      const rigcal_real uv_b[], size_t n);

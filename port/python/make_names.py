@@ -15,7 +15,7 @@ import sys
 HERE = pathlib.Path(__file__).resolve().parent
 INCLUDE = HERE.parents[1] / "include"
 OUT = HERE / "rigcal/_names.py"
-# What only the library and the published procedure use.
+# Headers that are only for the library and the published procedure.
 SKIPPED = {"rigcal_solvers.h", "rigcal_config.h", "rigcal_paper.h"}
 HEAD = '''"""Statuses and constants of the C headers. Made by make_names.py: do not edit."""
 
@@ -54,7 +54,7 @@ def enums(text: str) -> list[tuple[str, list[tuple[str, int]]]]:
 
 
 def wrapped(text: str, indent: str) -> str:
-    """A text as Python literals, one a line."""
+    """A text as Python literals, one for each line."""
     words, lines = text.split(" "), [""]
     for word in words:
         if len(indent) + len(lines[-1]) + len(word) > 84:

@@ -23,7 +23,7 @@ import zipfile
 HERE = pathlib.Path(__file__).resolve().parent
 VENV = HERE.parents[1] / "build/venv-wheels"
 PACKAGES = ("ziglang", "build", "wheel", "scikit-build-core", "cmake", "zopfli")
-# The platform of a wheel: target of zig, system and processor of CMake.
+# For each platform of a wheel: the target of zig, and the system and processor of CMake.
 TARGETS = {
     "manylinux2014_x86_64": ("x86_64-linux-gnu.2.17", "Linux", "x86_64"),
     "manylinux2014_aarch64": ("aarch64-linux-gnu.2.17", "Linux", "aarch64"),
@@ -35,9 +35,9 @@ TARGETS = {
     "win_arm64": ("aarch64-windows-gnu", "Windows", "ARM64"),
 }
 BYTES_MAX = 400 * 1024
-# Its calling convention keeps ten more registers, so that code is larger.
+# Functions must keep ten more registers by its calling convention, so the code is larger.
 LARGER = ("win_amd64",)
-# pip takes the last of these that it knows.
+# pip uses the last of these names that it knows.
 OLD_NAMES = {
     "manylinux2014_x86_64": "manylinux2014_x86_64.manylinux_2_17_x86_64",
     "manylinux2014_aarch64": "manylinux2014_aarch64.manylinux_2_17_aarch64",
@@ -79,8 +79,7 @@ def enter_environment() -> None:
 
 
 def compiler(folder: pathlib.Path, target: str) -> pathlib.Path:
-    """A program that CMake takes for a C compiler. Of zig's own options it goes without
-    the sanitizer that zig switches on."""
+    """A program that CMake accepts as a C compiler, without the sanitizer that zig adds."""
     path = folder / "zig-cc"
     path.write_text(
         f'#!/bin/sh\nexec "{sys.executable}" -m ziglang cc -target {target} '
@@ -98,7 +97,7 @@ def archiver(folder: pathlib.Path, tool: str) -> pathlib.Path:
 
 
 class Squeezed:
-    """A compressor as zipfile wants it, by zopfli: 4 % less than zlib at its best."""
+    """A compressor for zipfile by zopfli: 4 % smaller than zlib at its best."""
 
     def __init__(self) -> None:
         self.data = bytearray()
@@ -162,7 +161,7 @@ def build(sdist: pathlib.Path, out: pathlib.Path, name: str) -> pathlib.Path:
 
 
 def is_tried(name: str, wheel: pathlib.Path) -> str:
-    """What the wheel says in a new virtual environment, where it can run."""
+    """What the wheel prints in a new virtual environment, if it can run."""
     libc = (
         "musl" if "musl" in platform.libc_ver()[0] or not platform.libc_ver()[0] else "many"
     )

@@ -65,8 +65,8 @@ static uint64_t *counter_of(const char *name)
     return &symbols[i].now;
 }
 
-/* Each of a mark's instructions comes here: the last one of jobs_begin and the
- * first one of jobs_end bound the interval. */
+/* Called for each instruction of the two marks. The interval is from the last instruction
+ * of jobs_begin to the first of jobs_end. */
 static void at_begin(unsigned cpu, void *data)
 {
     (void)cpu, (void)data;

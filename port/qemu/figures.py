@@ -22,28 +22,28 @@ BUILD = ROOT / "build/figures"
 README = HERE / "README.md"
 BEGIN, END = "<!-- figures: begin -->", "<!-- figures: end -->"
 
-# Growth that is not reported.
+# a figure that grew by less is not reported
 SLACK = 1.02
 
-# What milliseconds are estimated by: an assumption, flash wait states among it.
+# The assumption by which milliseconds are estimated. It includes flash wait states.
 CLOCK_MHZ, CYCLES = 64, (1.2, 1.5)
 
-# target, precision, optimisation, and whether it is all or what port/template's
-# rigcal_config_small.h leaves
+# Target, precision, optimisation, and the build: all, or what port/template's
+# rigcal_config_small.h leaves.
 COLUMNS = [("cortex-m0", "float", "-Os"), ("cortex-m0", "float", "-Os", "small"),
            ("cortex-m4f", "float", "-Os"), ("cortex-m4f", "float", "-Os", "small"),
            ("cortex-m4f", "float", "-O2"), ("cortex-m33", "float", "-O2"),
            ("cortex-m7", "float", "-O2"), ("cortex-m7", "double", "-O2"),
            ("rv32imac", "float", "-Os"), ("rv32imafc", "float", "-O2")]
 
-# Presets whose library is that of a column: the same options, but for -g1.
+# Presets whose library has the options of a column, except for -g1.
 PRESETS = {("cortex-m4f", "float", "-O2"): "cortex-m4f",
            ("cortex-m33", "float", "-O2"): "cortex-m33",
            ("cortex-m7", "float", "-O2"): "cortex-m7",
            ("cortex-m7", "double", "-O2"): "cortex-m7-double",
            ("rv32imafc", "float", "-O2"): "rv32imafc"}
 
-# Row: the functions whose flash it is.
+# For each row: the functions whose flash is counted.
 FLASH = {
     "project": ["rigcal_camera_project"],
     "pixel_to_ray": ["rigcal_camera_ray"],
@@ -74,8 +74,7 @@ FLASH = {
 # Without an FPU: the jobs of a rig take minutes there, and the Cortex-M0 has no RAM for them.
 WITHOUT_RIG = ("cortex-m0", "rv32imac")
 
-# What may not be exceeded, whatever was measured before:
-# table, row, column, limit.
+# Limits that hold whatever was measured before: table, row, column, limit.
 LIMITS = [
     ("Instructions", "solve_pose_4", "cortex-m4f float -O2", 120000),
     ("Instructions", "solve_pose_4_warm", "cortex-m4f float -O2", 30000),
@@ -154,14 +153,14 @@ class Image:
         return lines, counts.read_text().splitlines()
 
     def steps(self):
-        """steps.c's table, or the end of it all where it complains."""
+        """The table of steps.c. The program ends if steps.c complains."""
         image = self.dir / "steps.elf"
         run(self.gcc, *self.flags, "-misa-spec=2.2", "-Isrc", HERE / "steps.c", self.library, "-lm",
             "--crt0=semihost", "--oslib=semihost", "-Wl,--gc-sections", *self.memory, "-o", image)
         return run("sh", HERE / "run.sh", self.target, image, "-icount", "shift=0")
 
     def flash(self, functions):
-        """(library's bytes, those of the C library and the compiler's)"""
+        """Bytes of flash: (of the library, of the C library and the compiler)."""
         link_map = self.dir / "flash.map"
         run(self.gcc, *self.flags, "-nostartfiles", "-Wl,-e,0", "-Wl,--gc-sections", *self.memory,
             *[f"-Wl,-u,{name}" for name in functions], self.library, "-lm",
@@ -223,13 +222,15 @@ def measure():
 
 
 def disagreements(bits):
-    """Of the images for size, and of those for speed: RIGCAL_FOR_SPEED gives other bits."""
+    """Compares the images for size with each other, and those for speed: RIGCAL_FOR_SPEED
+    changes bits."""
     for option in ("-Os", "-O2"):
         yield from disagreements_of({t: b for t, b in bits.items() if option in t})
 
 
 def disagreements_of(bits):
-    """Against the image that has all jobs; a small one, or one without a rig, leaves some out."""
+    """Compares with the image that has all jobs. A small image, or one without a rig,
+    leaves some out."""
     first = max(bits, key=lambda title: len(bits[title]))
     for title in bits:
         jobs = {line.split()[0] for line in bits[title]}

@@ -18,7 +18,7 @@
 #define JOBS_SCENES 20
 #endif
 
-/* A rig has 24 views, whose poses have to be found before it is joined. */
+/* A rig has 24 views. Their poses have to be found before they are joined. */
 #define JOBS_RIGS ((JOBS_SCENES + 3) / 4)
 
 /* Whether there is RAM for a rig. */
@@ -26,14 +26,14 @@
 #define JOBS_RIG 1
 #endif
 
-/* The job to run alone; "": all. */
+/* The only job to run; "": all jobs. */
 #ifndef JOBS_ONLY
 #define JOBS_ONLY ""
 #endif
 
 enum { POINTS_MAX = 50 };
 
-/* The noise of a pixel, and how far a warm start is off: radian, and part of the
+/* The noise of a pixel, and the error of a previous pose: radian, and part of the
  * distance. */
 #define NOISE_PX 0.5
 #define OFF_ANGLE 0.035
@@ -46,7 +46,7 @@ void jobs_end(void);
 
 static uint64_t state;
 
-/* [low, high), SplitMix64. */
+/* A number in [low, high), by SplitMix64. */
 static double uniform(double low, double high)
 {
     uint64_t z = (state += UINT64_C(0x9E3779B97F4A7C15));
@@ -55,7 +55,7 @@ static double uniform(double low, double high)
     return low + (high - low) * ((double)((z ^ (z >> 31)) >> 11) * 0x1p-53);
 }
 
-/* Deviation 1. */
+/* A normal number with standard deviation 1. */
 static double normal(void)
 {
     double sum = -6;
@@ -80,7 +80,7 @@ static void rotation_of(double R[9], const double q[4])
     R[8] = 1 - s * (x * x + y * y);
 }
 
-/* A direction of the ball's in n dimensions, uniform. */
+/* A uniformly distributed direction in n dimensions. */
 static void direction(double d[], int n)
 {
     double squared;
@@ -106,7 +106,7 @@ static void transform(rigcal_transform *T, const double R[9], const double t[3])
     }
 }
 
-/* A VGA camera of 800 px; with a lens, Brown's k1, k2, k3, p1, p2. */
+/* A VGA camera of 800 px. With a lens it has Brown's k1, k2, k3, p1, p2. */
 static rigcal_camera camera_of(int has_lens)
 {
     rigcal_camera camera = {.lens = RIGCAL_LENS_BROWN,
@@ -126,7 +126,7 @@ static rigcal_camera camera_of(int has_lens)
     return camera;
 }
 
-/* What the jobs read: points of a unit cube before two cameras 3 to 10 sizes away. */
+/* The input of the jobs: points of a unit cube before two cameras, 3 to 10 sizes away. */
 static struct {
     rigcal_camera camera[2];
     rigcal_transform cam_from_world[2], b_from_a;
@@ -136,7 +136,7 @@ static struct {
     size_t n;
 } scene;
 
-/* Pixel of X by R, t with the lens of a camera, in double. */
+/* The pixel of X for the pose R, t and the lens of a camera, in double. */
 static void image(rigcal_real uv[2], const rigcal_camera *camera, const double R[9],
                   const double t[3], const double X[3], double noise)
 {
@@ -155,8 +155,8 @@ static void image(rigcal_real uv[2], const rigcal_camera *camera, const double R
     uv[1] = (rigcal_real)(800 * yd + 239.5 + noise * normal());
 }
 
-/* PLAIN and LENS: points in a unit cube, turned anyhow; TAG: the corners of a unit
- * square that faces the camera to within 60 degrees. */
+/* PLAIN and LENS: points in a unit cube with any orientation. TAG: the corners of a unit
+ * square that faces the camera within 60 degrees. */
 typedef enum { PLAIN, LENS, TAG } kind;
 
 static void place_point(double X[3], size_t i, kind what)
@@ -183,7 +183,7 @@ static void make_scene(size_t n, kind what, uint64_t seed)
     t[2] = uniform(3, 10);
     t[0] = t[2] * uniform(-0.1, 0.1);
     t[1] = t[2] * uniform(-0.1, 0.1);
-    for (int i = 0; i < 2; i++) { /* the second stands aside by a tenth */
+    for (int i = 0; i < 2; i++) { /* the second camera is a tenth to the side */
         scene.camera[i] = camera_of(what == LENS);
         transform(&scene.cam_from_world[i], R, t);
         scene.cam_from_world[i].t[0] += (rigcal_real)(0.1 * t[2] * i);
@@ -196,7 +196,7 @@ static void make_scene(size_t n, kind what, uint64_t seed)
         image(scene.seen[i].uv, &scene.camera[0], R, t, X, NOISE_PX);
     }
 
-    /* The last point in both. */
+    /* The last point in both cameras. */
     const double aside[3] = {t[0] + 0.1 * t[2], t[1], t[2]};
     image(scene.uv_both, &scene.camera[0], R, t, X, NOISE_PX);
     image(scene.uv_both + 2, &scene.camera[1], R, aside, X, NOISE_PX);
@@ -208,7 +208,7 @@ static void make_scene(size_t n, kind what, uint64_t seed)
     scene.uv[0] = scene.uv_both[0];
     scene.uv[1] = scene.uv_both[1];
 
-    /* (1, a) turns by 2 |a| to second order. */
+    /* (1, a) is a turn by 2 |a|, to second order. */
     direction(way, 3);
     for (int k = 0; k < 3; k++) {
         q[k + 1] = way[k] * OFF_ANGLE / 2;
@@ -248,7 +248,8 @@ static void random_pose(double R[9], double t[3], double about_y, double turn, d
     t[2] += RIG_FAR;
 }
 
-/* cam_from_rig, R and t: it looks at the middle, far ahead of the first. */
+/* cam_from_rig, as R and t. The camera looks at the middle, far ahead of the first
+ * camera. */
 static void random_camera(double pose[12], int c)
 {
     random_pose(pose, &pose[9], 0.17 * c, 0, 0.1);
@@ -265,8 +266,9 @@ static void apply(double b[3], const double R[9], const double t[3], const doubl
     }
 }
 
-/* A point that four cameras through the lens see, the first held, 20 degrees apart and
- * RIG_FAR away, and the joint covariance of the others: L L^T, L of small integers. */
+/* A point that four cameras see through the lens. They are 20 degrees apart and RIG_FAR
+ * away; the first is held. The joint covariance of the others is L L^T, with small integers
+ * in L. */
 enum { EYES = 4, EYES_FREE = 6 * EYES };
 
 static struct {
@@ -329,8 +331,8 @@ static void make_eyes(size_t n, kind what, uint64_t seed)
 #if JOBS_RIG
 /* ---- a rig --------------------------------------------------------------- */
 
-/* Three cameras stand RIG_FAR sizes from the target, 20 degrees apart, and all see it in
- * each placement. The poses of the views by themselves are refined from the truth. */
+/* Three cameras are RIG_FAR sizes from the target, 20 degrees apart. All see it in each
+ * placement. The poses of the views by themselves are refined from the truth. */
 enum { RIG_CAMERAS = 3, RIG_PLACEMENTS = 8, RIG_POINTS_MAX = 12 };
 enum { RIG_VIEWS = RIG_CAMERAS * RIG_PLACEMENTS, RIG_POSES = RIG_CAMERAS + RIG_PLACEMENTS };
 
@@ -379,7 +381,7 @@ static rigcal_status rig_join(void)
     return rigcal_rig_join(&rig.rig, NULL);
 }
 
-/* From the poses that the join gives. */
+/* Makes the rig from the poses that the join gives. */
 static void make_rig(size_t n, kind what, uint64_t seed)
 {
     double X[RIG_POINTS_MAX][3], pose[RIG_POSES][12];
@@ -420,18 +422,18 @@ static void make_rig(size_t n, kind what, uint64_t seed)
 }
 #endif
 
-/* What the first camera saw. */
+/* The view of the first camera. */
 static rigcal_view view_of(const rigcal_real sigma[])
 {
     const rigcal_view view = {&scene.camera[0], scene.seen, sigma, scene.n};
     return view;
 }
 
-#ifndef JOBS_ONLY_SCENES /* which is all that steps.c wants */
+#ifndef JOBS_ONLY_SCENES /* steps.c needs only the scenes */
 
 /* ---- the jobs ------------------------------------------------------------ */
 
-/* What they write. */
+/* The output of the jobs. */
 static struct {
     rigcal_real uv[2], ray[3], line[3];
     rigcal_transform transform;
@@ -574,13 +576,13 @@ static size_t measure(rigcal_status *status, const job *todo)
     return 0;
 }
 #else
-/* The linker script's: the stack's top, and its size as an address. */
+/* From the linker script: the stack's top, and its size as an address. */
 extern unsigned char __stack[], __stack_size[];
 
 enum { PATTERN = 0xA5 };
 
-/* Fills the stack below, calls, and sees how far down it was written: from this
- * function's own stack pointer on. */
+/* Fills the stack below this function's own stack pointer, makes the call, and returns how
+ * many bytes of it were written. */
 static size_t __attribute__((noinline)) measure(rigcal_status *status, const job *todo)
 {
     register volatile unsigned char *const sp __asm__("sp");
@@ -599,7 +601,7 @@ static size_t __attribute__((noinline)) measure(rigcal_status *status, const job
 }
 #endif
 
-/* Marks for count.c; called, not inlined, wherever they are. */
+/* Marks for count.c. They are called, never inlined. */
 void __attribute__((noinline)) jobs_begin(void)
 {
     __asm__ volatile("" ::: "memory");

@@ -1,5 +1,5 @@
-/* marks.h - what monitor.c and match.c share: the marks of count.c, and random numbers. One
- * file of a program includes it. */
+/* marks.h - what monitor.c and match.c share: the marks of count.c, and random numbers.
+ * Only one file of a program may include it. */
 #ifndef MARKS_H
 #define MARKS_H
 
@@ -10,7 +10,7 @@
 void jobs_begin(void);
 void jobs_end(void);
 
-/* Marks for count.c; called, not inlined, wherever they are. */
+/* Marks for count.c. They are called, never inlined. */
 void __attribute__((noinline)) jobs_begin(void)
 {
     __asm__ volatile("" ::: "memory");
@@ -23,7 +23,7 @@ void __attribute__((noinline)) jobs_end(void)
 
 static uint64_t state = 1;
 
-/* [low, high), SplitMix64. */
+/* A number in [low, high), by SplitMix64. */
 static rigcal_real uniform(rigcal_real low, rigcal_real high)
 {
     uint64_t z = (state += UINT64_C(0x9E3779B97F4A7C15));

@@ -22,7 +22,7 @@
 
 enum { MATCHES = 20, TURNED_AT = FRAMES - 60, ANSWER_AFTER = 15 };
 
-/* The linker script's: the stack's top, and its size as an address. */
+/* From the linker script: the stack's top, and its size as an address. */
 extern unsigned char __stack[], __stack_size[];
 
 static rigcal_real monitor[RIGCAL_MONITOR_SIZE(CAMERAS, 0)];
@@ -31,7 +31,7 @@ static int32_t group[CAMERAS];
 static uint8_t held[CAMERAS];
 static rigcal_real Sigma[RIGCAL_CALIBRATED_SIZE(CAMERAS - 1)];
 
-/* The sum of four: nearly normal, of standard deviation 1. */
+/* A sum of four numbers: nearly normal, with standard deviation 1. */
 static rigcal_real noise(void)
 {
     rigcal_real sum = 0;
@@ -66,7 +66,7 @@ static void begin(void)
     }
     (void)rigcal_monitor_defaults(&o);
     o.arl0_frames = 10000;
-    o.walk_rad = WALK; /* with one the end of a frame has it too */
+    o.walk_rad = WALK; /* with one camera more, the end of a frame has this walk too */
     o.walk_t = WALK;
     if (rigcal_monitor_begin(monitor, sizeof monitor / sizeof monitor[0], &rig, 0, &o) !=
         0) {
@@ -74,7 +74,7 @@ static void begin(void)
     }
 }
 
-/* A point's ray in a camera, the last of which is turned by 0.01 rad. */
+/* The ray of a point in a camera. The last camera is turned by 0.01 rad. */
 static void see(rigcal_real ray[3], int c, const rigcal_real X[3], int is_turned)
 {
     rigcal_real p[3];

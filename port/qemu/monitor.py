@@ -11,7 +11,7 @@ import sys
 
 import figures
 
-# target, optimisation, cameras
+# target, optimisation, number of cameras
 LINES = [("cortex-m4f", "-O2", 2), ("cortex-m4f", "-O2", 3), ("cortex-m4f", "-O2", 4),
          ("cortex-m4f", "-O2", 8), ("cortex-m4f", "-Os", 4), ("cortex-m7", "-O2", 3),
          ("cortex-m0", "-Os", 2)]
@@ -33,7 +33,8 @@ FLASH = {
 
 
 def count(image, cameras, frames):
-    """Instructions of each frame, of each end, whether it had an alarm; what was printed."""
+    """The instructions of each frame and of its end, whether it had an alarm, and what was
+    printed."""
     elf, counts = image.dir / "monitor.elf", image.dir / "monitor_counts.txt"
     memory = [m.replace("=4096", "=3072") for m in image.memory]
     figures.run(image.gcc, *image.flags, f"-DCAMERAS={cameras}", f"-DFRAMES={frames}",

@@ -10,7 +10,7 @@
 set(CMAKE_SYSTEM_NAME Generic)
 set(CMAKE_SYSTEM_PROCESSOR ${processor})
 set(CMAKE_C_COMPILER ${prefix}gcc)
-# CMake's first trial has nothing to run on.
+# CMake's first test program cannot run anywhere.
 set(CMAKE_TRY_COMPILE_TARGET_TYPE STATIC_LIBRARY)
 
 separate_arguments(flash)

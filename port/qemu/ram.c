@@ -1,16 +1,16 @@
-/* ram.c - linked into the tests of the bare targets: a stack that came down to the
- * data ends the program with status 99, whatever the test said. */
+/* ram.c - linked into the tests of the bare targets. If the stack grew down to the data,
+ * the program ends with status 99, whatever the test said. */
 #include <stdio.h>
 #include <stdlib.h>
 
-/* Wider than what a frame is likely to step over without writing. */
+/* More bytes than a stack frame is likely to skip without writing. */
 enum { GUARD = 512, PATTERN = 0xA5 };
 
 static volatile unsigned char *guard;
 
 static void __attribute__((constructor)) set_guard(void)
 {
-    guard = malloc(GUARD); /* the first is the lowest, right above the data */
+    guard = malloc(GUARD); /* the first block is the lowest, just above the data */
     for (int i = 0; i < GUARD; i++) {
         guard[i] = PATTERN;
     }

@@ -15,7 +15,7 @@ cortex-m0)  machine="qemu-system-arm -M microbit" ;;
 cortex-m4f) machine="qemu-system-arm -M mps2-an386" ;;
 cortex-m7)  machine="qemu-system-arm -M mps2-an500" ;;
 cortex-m33) machine="qemu-system-arm -M mps2-an505" ;;
-# Without an FPU in the core either, so that an image which wants one fails.
+# This core has no FPU either, so an image that needs one fails.
 rv32imac)   machine="qemu-system-riscv32 -M virt -bios none -cpu rv32,f=false,d=false" ;;
 rv32imafc)  machine="qemu-system-riscv32 -M virt -bios none -cpu rv32,d=false" ;;
 mips)       exec timeout "${RIGCAL_TIMEOUT:-14400}" qemu-mips "$@" "$image" ;;

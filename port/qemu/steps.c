@@ -17,14 +17,15 @@
 #include "rc_elimination.h"
 #include "rc_pose.h"
 
-/* The published search evaluates some eighty times as often, a rig 24 views at a time. */
+/* Fewer scenes for the published search, which evaluates some eighty times as often, and
+ * for a rig, which has 24 views. */
 enum { SCENES = 1000, SCENES_PUBLISHED = 100, SCENES_RIG = 20, GROUPS = 15 };
 
-/* Instructions besides evaluations: all poses of three points, the pose where a
+/* Instructions besides evaluations: to find all poses of three points, or the pose where a
  * published search ends. */
 enum { EXTRA = 4000 };
 
-/* How far one of a robust scene's points is from where it should be. */
+/* Distance of one point of a robust scene from where it should be. */
 #define WRONG_PX 60
 
 typedef enum { SOLVE_POSE, WEIGHTED, ROBUST, PUBLISHED, RIG, JOIN } task;
@@ -89,7 +90,8 @@ static int32_t refining_from(const rigcal_transform *start)
     return longest;
 }
 
-/* To the end from a pose 2 degrees off, and from one whose axes are exchanged besides. */
+/* Refines to the end from a pose 2 degrees off, and from one whose axes are exchanged as
+ * well. */
 static int32_t refining(void)
 {
     const rigcal_transform *const warm = &scene.warm.start;
@@ -135,8 +137,8 @@ static int32_t one_published(void)
     return longest;
 }
 
-/* The equations of each view, by its points or by its own pose, and what they are to camera
- * and placement. */
+/* The cost of the equations of each view, from its points or from its own pose, and of
+ * turning them into those of camera and placement. */
 static int32_t one_of_rig(int is_join)
 {
     int32_t longest = 0;
@@ -236,7 +238,7 @@ static rigcal_status result(const solver *s, const group *g)
                : rigcal_pose_result(poses, RIGCAL_POSES_MAX, &n_found, NULL, &s->pose);
 }
 
-/* The same rays as of the pinhole. */
+/* The same rays as with the pinhole. */
 static void see_by_fisheye(void)
 {
     const rigcal_camera pinhole = scene.camera[0];
@@ -253,7 +255,7 @@ static void see_by_fisheye(void)
     }
 }
 
-/* The scene, and what one evaluation costs there. */
+/* Makes the scene, and measures what one evaluation costs there. */
 static int32_t make(const group *g, uint64_t i)
 {
     if (g->to_do == RIG || g->to_do == JOIN) {
@@ -276,7 +278,7 @@ static int32_t make(const group *g, uint64_t i)
     return one_published();
 }
 
-/* From begin to result by steps of BUDGET[b]. */
+/* Runs from begin to result in steps of BUDGET[b]. */
 static void measure(longest *of, const group *g, uint64_t i, int b, int32_t one)
 {
     static solver s;

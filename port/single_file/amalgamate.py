@@ -36,13 +36,13 @@ def version():
 
 
 def bare(text):
-    """The text with comments and literals blanked, every other character in place."""
+    """The text with comments and literals blanked. All other characters keep their place."""
     return TOKENS.sub(lambda m: re.sub(r"[^\n]", " ", m[0]), text)
 
 
 def outermost(text):
-    """The statements of file scope, their braces' insides left out but for those of
-    an enum, whose constants are names of file scope."""
+    """The statements at file scope. What is inside their braces is left out, except in an
+    enum, because its constants are names of file scope."""
     code = re.sub(r"^[ \t]*#(?:[^\n]*\\\n)*[^\n]*", "", bare(text), flags=re.M)
     depth, statement = 0, ""
     for c in code:
@@ -66,7 +66,7 @@ def outermost(text):
 
 
 def private_names(text):
-    """What a source defines at file scope for itself: functions, objects, types and
+    """What a source defines for itself at file scope: functions, objects, types and
     constants of enums."""
     names = []
     for statement in outermost(text):
@@ -89,7 +89,7 @@ def words(text):
 
 
 def renamed(text, names, prefix):
-    """The text with the names prefixed, fields of structs and literals left alone."""
+    """The text with the names prefixed. Fields of structs and literals do not change."""
     if not names:
         return text
     code = bare(text)
@@ -118,7 +118,7 @@ def head(name, what):
 
 
 def public_header():
-    """rigcal.h with what it includes in place of each include, then the headers that it
+    """rigcal.h, with the included text in place of each include, then the headers that it
     does not include."""
     headers = {path.name: path.read_text() for path in (ROOT / "include").glob("*.h")}
     taken = set()

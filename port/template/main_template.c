@@ -57,7 +57,7 @@ static void set_camera(void)
     camera.cy = 240;
 }
 
-/* Some compiler options break this, and not every compiler tells the library of them:
+/* Some compiler options break this check. Not every compiler tells the library about them:
  * see include/rigcal_config.h. */
 static int refuses_nan(void)
 {

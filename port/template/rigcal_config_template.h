@@ -20,10 +20,10 @@
 #define RIGCAL_USE_FLOAT 0
 #endif
 
-/* What the flash has no room for: 0 leaves it out. */
+/* Parts to leave out if the flash is too small for them: 0 leaves a part out. */
 #define RIGCAL_WITH_FISHEYE 1
-#define RIGCAL_WITH_THREE_POINTS 1 /* poses of wide targets too */
-#define RIGCAL_WITH_MIRRORED 1     /* a pose's look at mirrored coordinates */
+#define RIGCAL_WITH_THREE_POINTS 1 /* also used for poses of wide targets */
+#define RIGCAL_WITH_MIRRORED 1     /* checks a pose for mirrored coordinates */
 
 /* The header that declares the functions named below, brackets or quotes
  * included. Default: <math.h>. */
@@ -56,9 +56,9 @@
  * assert(). In the field, leave it empty. */
 #define RIGCAL_ASSERT(condition) ((void)0)
 
-/* What public functions are declared with: a section, say, or a calling
- * convention. Left out here, so that the default stands: exported when the
- * library is a shared one, nothing otherwise.
+/* A prefix for the declarations of public functions, such as a section or a calling
+ * convention. The default is kept here: exported if the library is shared, otherwise
+ * nothing.
  *
  * #define RIGCAL_API __attribute__((section(".itcm")))
  */

@@ -29,7 +29,7 @@ def read(path):
 
 
 def difference(row, known):
-    """Degrees, and percent of the distance."""
+    """Compares with the reference: degrees, and percent of the distance."""
     R, S = ([float(r[k]) for k in R_NAMES] for r in (row, known))
     t, u = ([float(r[k]) for k in ("tx", "ty", "tz")] for r in (row, known))
     chord = math.sqrt(sum((a - b) ** 2 for a, b in zip(R, S)))
@@ -38,7 +38,7 @@ def difference(row, known):
 
 
 def differences(program, folder, *more):
-    """Of every view from its reference."""
+    """The errors of every view against its reference."""
     with tempfile.TemporaryDirectory() as work:
         out = pathlib.Path(work) / "out"
         subprocess.run([program, "calibrate", "--cameras", ROOT / folder / "cameras.csv",

@@ -6,7 +6,7 @@
  *   bench_alarm watched FRAMES ARL0 COMMON [CASE]  the whole monitor, which begins with
  *                                                  0.05 degrees and 2 mm
  *
- * Tables, of so many frames a case; 1e7 take an hour. */
+ * FRAMES is the number of frames in each case; 1e7 take an hour. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -21,8 +21,9 @@
 
 enum { CAMERAS_MAX = 8, POOL = 4000 };
 
-static const double SIGMA = 0.3 / 800; /* of a pixel, normalised */
-static const double WRONG_SPREAD = 50; /* standard deviations: wrong matches lie within */
+static const double SIGMA = 0.3 / 800; /* noise of a pixel, normalised */
+static const double WRONG_SPREAD = 50; /* standard deviations: wrong matches are at most
+                                          this far off */
 
 typedef enum { NORMAL, LAPLACE, STUDENT_3 } noise_kind;
 static const char *const NOISE_NAMES[] = {"normal", "Laplace", "t, 3 dof"};
@@ -44,7 +45,7 @@ static const quiet CASES[] = {
 };
 enum { N_CASES = sizeof CASES / sizeof CASES[0] };
 
-/* Unity, which the tests' arithmetic is checked with, wants them. */
+/* Unity needs these: the arithmetic of the tests uses its checks. */
 void setUp(void)
 {
 }
@@ -66,7 +67,8 @@ typedef struct {
 
 static pool_row pool[POOL];
 
-/* Two cameras: a parallel pair of 12 cm. More: on an arc of 3 m, looking at its middle. */
+/* Two cameras: a parallel pair, 12 cm apart. More: on an arc of 3 m, looking at its
+ * middle. */
 static void make_rig(camera rig[], int n)
 {
     for (int i = 0; i < n; i++) {
@@ -86,7 +88,7 @@ static void make_rig(camera rig[], int n)
 }
 
 /* Derivatives of Sampson's distance of a match by the errors of its two cameras, in
- * standard deviations, by differences of the epipolar product. */
+ * standard deviations. They are difference quotients of the epipolar product. */
 static double sampson(const camera *a, const camera *b, double m[2][3])
 {
     double da[3], db[3], base[3], Rt[9], n[3], na[3], nb[3], g[3], g2 = 0;
@@ -166,7 +168,7 @@ static double normal(test_rng *rng)
     return r * cos(2 * TEST_PI * test_uniform(rng, 0, 1));
 }
 
-/* Of standard deviation 1, those of t are of scale 1. */
+/* Noise of standard deviation 1. That of t has the scale 1. */
 static double noise(const quiet *c, test_rng *rng)
 {
     if (test_uniform(rng, 0, 1) < c->wrong) {
@@ -221,7 +223,7 @@ static long count(const quiet *c, double frames, double arl0, double common)
 
 static const double NOISE_PX = 0.3, WRONG_PX = 40;
 
-/* A pixel of the point, as a ray. */
+/* The ray of a noisy pixel of the point. */
 static void see(rigcal_real ray[3], const test_watched *w, const quiet *c, int by,
                 const double X[3], test_rng *rng)
 {
@@ -301,8 +303,8 @@ static double print_case(counting *count_false, const quiet *c, double frames, d
     return ratio;
 }
 
-/* 60 false alarms stated of each: 0.4 to 1.25 of them, three standard errors aside; with
- * `common` no more than stated. */
+/* Each case should give 60 false alarms. Allowed are 0.4 to 1.25 times that, three standard
+ * errors more on each side; with `common` no more than the stated number. */
 static int check(void)
 {
     static const int FEW[] = {0, 2, 7, 15};

@@ -20,7 +20,7 @@ typedef struct {
     size_t n_views;
     rigcal_rig_view *views;
     rigcal_view_pose *poses, *second;
-    uint32_t **points; /* of each view, the names of its points */
+    uint32_t **points; /* for each view, the names of its points */
     rigcal_rig rig;
     rigcal_rig_fit fit;
     rigcal_real *noise;
@@ -33,7 +33,7 @@ static void check(rigcal_status status, const char *what)
     }
 }
 
-/* The view of observations first to last, of one frame and one camera. */
+/* Adds a view: observations first to last, of one frame and one camera. */
 static void add_view(set *s, const cli_observation *const list[], size_t n)
 {
     const size_t v = s->n_views;

@@ -29,13 +29,13 @@ static const double NOISE = 0.5; /* px */
 
 typedef struct {
     rigcal_camera camera;
-    rigcal_observation seen[N_MOST], rest[N_MOST]; /* the right ones alone */
+    rigcal_observation seen[N_MOST], rest[N_MOST]; /* only the right observations */
     double R[9], t[3];
     int n, n_rest;
 } spoilt;
 
-/* The wrong ones are those of the lowest numbers, which are as random as any; then all are
- * shuffled. */
+/* Makes those with the lowest numbers wrong, which is as random as any other choice. Then
+ * all are shuffled. */
 static void place(spoilt *p, test_rng *rng)
 {
     p->t[2] = test_uniform(rng, 3, 10);
@@ -96,7 +96,8 @@ static void make(spoilt *p, int n, int percent, int is_near, long index)
     shuffle(p, &rng);
 }
 
-/* Error of the nearest of the poses: angle, and length over the distance. */
+/* The error of the pose nearest to the truth: the angle, and the length over the
+ * distance. */
 static void nearest(double error[2], const spoilt *p, const rigcal_pose poses[], size_t n)
 {
     error[0] = error[1] = 1e300;
@@ -114,7 +115,8 @@ static void nearest(double error[2], const spoilt *p, const rigcal_pose poses[],
     }
 }
 
-/* Three times as far off as the pose of the right points alone, 2 degrees and 2 %. */
+/* The largest error of a right pose: three times that of the pose of the right points
+ * alone, plus 2 degrees and 2 %. */
 static void allowed(double error[2], const spoilt *p)
 {
     rigcal_pose poses[RIGCAL_POSES_MAX];

@@ -31,7 +31,7 @@ extern "C" {
 #include "bench_rigs.h"
 #include "test_fit.h"
 
-/* Unity, which the tests' arithmetic is checked with, wants them. */
+/* Unity needs these: the arithmetic of the tests uses its checks. */
 void setUp(void);
 void tearDown(void);
 }
@@ -46,13 +46,13 @@ void tearDown(void)
 
 static_assert(sizeof(rigcal_real) == sizeof(double), "Ceres computes in double");
 
-/* Relative, of the sums of squares and of the covariances' deviations. */
+/* Relative tolerances: of the sums of squares, and of the standard deviations. */
 static const double SAME_SUM = 1e-8, SAME_DEVIATION = 1e-4;
-/* Of the cameras' poses, in their own standard deviations. */
+/* Tolerance of the cameras' poses, in their own standard deviations. */
 static const double SAME_POSE = 1e-2;
 
-/* Ceres ends when a step lowers the sum by less than this part; rigcal when less than this
- * is still to be gained. */
+/* Ceres ends if a step lowers the sum by less than this part. rigcal ends if the expected
+ * further decrease is less. */
 static const double ENOUGH = 1e-10;
 
 [[noreturn]] static void fail(const std::string &why)
@@ -63,7 +63,7 @@ static const double ENOUGH = 1e-10;
 
 /* ---- residuals ----------------------------------------------------------- */
 
-/* The pixel of a point p of the camera frame. */
+/* The pixel of a point p of the camera's frame. */
 template <class T> static void project(T uv[2], const rigcal_camera &k, const T p[3])
 {
     const T x = p[0] / p[2], y = p[1] / p[2], s = x * x + y * y;
@@ -73,13 +73,14 @@ template <class T> static void project(T uv[2], const rigcal_camera &k, const T 
     uv[1] = k.fy * (y * d + k.p1 * (s + 2.0 * y * y) + 2.0 * k.p2 * x * y) + k.cy;
 }
 
-/* uv, and its derivative J[6] by p, row by row. */
+/* uv and its derivative J[6] by p, row by row. */
 static void project_with(double uv[2], double J[6], const rigcal_camera &k,
                          const double p[3])
 {
     const double z = 1 / p[2], x = p[0] * z, y = p[1] * z, s = x * x + y * y;
     const double d = 1 + s * (k.k1 + s * (k.k2 + s * k.k3));
-    const double slope = 2 * (k.k1 + s * (2 * k.k2 + 3 * s * k.k3)); /* d' by s, doubled */
+    const double slope = 2 * (k.k1 + s * (2 * k.k2 + 3 * s * k.k3)); /* derivative of d by
+                                                                        s, doubled */
     const double cross = x * y * slope + 2 * k.p1 * x + 2 * k.p2 * y;
     const double xx = d + x * x * slope + 2 * k.p1 * y + 6 * k.p2 * x;
     const double yy = d + y * y * slope + 6 * k.p1 * y + 2 * k.p2 * x;
@@ -121,7 +122,8 @@ struct matrices {
     }
 };
 
-/* row[6] = d by w and t of a pose, where J is d by the point y = R x + t. */
+/* row[6]: derivative by w and t of a pose, if J is the derivative by the point y = R x +
+ * t. */
 static void chain(double row[6], const double J[3], const double Rx[3], const matrices &m)
 {
     double turn[3];
@@ -133,7 +135,7 @@ static void chain(double row[6], const double J[3], const double Rx[3], const ma
     }
 }
 
-/* residual[2] of a point, and its rows by camera and placement, each where it is wanted. */
+/* residual[2] of a point, and its rows by camera and by placement, each if it is wanted. */
 static void point_by_hand(double residual[2], double *by_camera, double *by_placement,
                           const rigcal_camera &camera, const rigcal_observation &o,
                           const matrices &c, const double *t_c, const matrices &f,
@@ -275,9 +277,10 @@ static std::vector<method> all_methods()
 struct answer {
     double sum;
     int evaluations;
-    std::vector<double> poses;      /* 12 each: R, t; cameras, placements */
-    std::vector<double> deviations; /* 6 of each camera but the first, for 1 px; or none */
-    std::vector<double> raw;        /* what Ceres wrote: 6 of each pose */
+    std::vector<double> poses;      /* 12 for each pose: R, t; cameras, then placements */
+    std::vector<double> deviations; /* 6 for each camera except the first, for 1 px; or
+                                       empty */
+    std::vector<double> raw;        /* what Ceres wrote: 6 for each pose */
 };
 
 static void poses_from(std::vector<double> &out, const rigcal_transform *poses, int n)
@@ -408,7 +411,7 @@ static answer run_ceres(std::vector<double> &Sigmas, const method &m,
     return a;
 }
 
-/* What counts: a function of its own, that callgrind finds. */
+/* What is counted. It is a function of its own so that callgrind can find it. */
 extern "C" __attribute__((noinline)) void bench_call(answer *a, std::vector<double> *Sigmas,
                                                      const method *m,
                                                      const std::vector<double> *starts,
@@ -432,7 +435,7 @@ static std::vector<double> starts_of(const bench_rig &b)
     return starts;
 }
 
-/* The answer in full, when the clock has stopped. */
+/* Completes the answer after the clock was stopped. */
 static void complete(answer &a, const std::vector<double> &Sigmas, const method &m,
                      const bench_rig &b)
 {
@@ -464,7 +467,7 @@ static void complete(answer &a, const std::vector<double> &Sigmas, const method 
 
 /* ---- whether they agree -------------------------------------------------- */
 
-/* The most that a camera's pose is off, in its standard deviations. */
+/* The largest error of a camera's pose, in its standard deviations. */
 static double off_by(const answer &a, const answer &rigcal, const bench_rig &b)
 {
     double most = 0;

@@ -30,7 +30,7 @@ static const line lines[] = {{10, 2, 6, 1},  {10, 4, 10, 1},   {20, 2, 10, 1},
                              {30, 2, 10, 1}, {20, 4, 10, 1},   {30, 4, 10, 1},
                              {20, 8, 50, 1}, {20, 4, 20, 0.5}, {20, 6, 20, 1 / 3.}};
 
-/* Unity, which the tests' arithmetic is checked with, wants them. */
+/* Unity needs these: the arithmetic of the tests uses its checks. */
 void setUp(void)
 {
 }
@@ -86,7 +86,7 @@ static void unmake(test_tags *t)
     free(t->work);
 }
 
-/* Views of that one's placement that are not left out. */
+/* The number of other views of this view's placement that are not left out. */
 static int company_of(const test_tags *t, const uint8_t *takes, size_t view)
 {
     int n = 0;
@@ -98,9 +98,9 @@ static int company_of(const test_tags *t, const uint8_t *takes, size_t view)
     return n;
 }
 
-/* The sum where the adjustment ends; below 0: it failed. Of the views that are not left
- * out, nor alone in their placement: which pose those have nothing can tell, and the
- * cameras do not depend on them. */
+/* The sum where the adjustment ends; below 0: it failed. Counts only views that are not
+ * left out and not alone in their placement. Nothing shows which pose a view has that is
+ * alone, and the cameras do not depend on it. */
 static double adjusted(test_tags *t, const uint8_t *takes)
 {
     rigcal_rig_view *const some_views = some(t->rig.n_views, sizeof *some_views);
@@ -123,7 +123,8 @@ static double adjusted(test_tags *t, const uint8_t *takes)
     return sum;
 }
 
-/* All views with these poses, joined by rigcal_rig_join: the start of an adjustment. */
+/* Joins all views with these poses by rigcal_rig_join. This is the start of an
+ * adjustment. */
 static double joined(test_tags *t, const uint8_t *poses, const uint8_t *takes)
 {
     rigcal_view_pose *const own = some(t->rig.n_views, sizeof *own);
@@ -170,7 +171,7 @@ static void row(const line *l, int rigs, test_rng *rng)
             wrong += test_tags_wrong(&t);
             out += test_tags_left_out(&t);
         }
-        /* of the views that are adjusted, from the choice, from the truth */
+        /* of the adjusted views: from the choice, from the truth */
         sum = status >= 0 ? adjusted(&t, t.takes) : -1;
         for (int c = 0; c < l->cameras; c++) {
             t.cams[c] = t.true_cams[c];

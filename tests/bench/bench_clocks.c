@@ -21,7 +21,7 @@ enum { RIGS_MAX = 1000, RIGS_CHECKED = 6 };
 typedef struct {
     const char *what;
     motion_scene scene;
-    double limit; /* of the error over the bound */
+    double limit; /* limit of the error over the bound */
 } campaign;
 
 static const campaign CAMPAIGNS[] = {
@@ -44,7 +44,7 @@ enum { N_CAMPAIGNS = sizeof CAMPAIGNS / sizeof CAMPAIGNS[0] };
 
 static test_motions m;
 
-/* An adjustment from the start; its steps. */
+/* Adjusts from the start. Returns the number of steps. */
 static int adjust(rigcal_rig_fit *fit, rigcal_rig_clocks *clocks)
 {
     test_motions_reset(&m);
@@ -114,7 +114,7 @@ static int run(const campaign *c, int number, int rigs)
 
 /* ---- drifts, stamps --------------------------------------------------------- */
 
-/* The squared error over the bound; its sigma. -1: not adjusted. */
+/* The squared error over the bound, and its sigma. -1: the rig was not adjusted. */
 static double error2_of(double *sigma, rigcal_rig_clocks *clocks, const double bound[])
 {
     rigcal_rig_fit fit;
@@ -126,7 +126,7 @@ static double error2_of(double *sigma, rigcal_rig_clocks *clocks, const double b
     return test_motions_error2(&m, bound);
 }
 
-/* Drifts are within 50 ppm. In the middle of the recording the cameras are in time. */
+/* Clocks that drift by at most 50 ppm. In the middle of the recording they agree. */
 static int run_drifts(int rigs, double noise_px)
 {
     const motion_scene scene = {4, 7, 3, 30, 0.35, 0.8, 10, 0, 5e-5, 0, noise_px};
@@ -156,7 +156,7 @@ static int run_drifts(int rigs, double noise_px)
                                             : sqrt(errors[2]) < 1.3 * 1.12);
 }
 
-/* Noise of stamps of 4 ms, told and not told. */
+/* Stamps with noise of 4 ms, which the adjustment knows or not. */
 static int run_stamps(int rigs)
 {
     double bound[6 * 6 * 9], errors[2] = {0, 0}, sigmas[2] = {0, 0};

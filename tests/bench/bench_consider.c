@@ -27,7 +27,7 @@ static const rigcal_intrinsics_sigma CARRIED = {RC(0.003), RC(0.001), RC(3), RC(
 typedef struct {
     const char *what;
     int places;
-    double drawn, claimed; /* times CARRIED */
+    double drawn, claimed; /* multiples of CARRIED */
 } campaign;
 
 static const campaign CAMPAIGNS[] = {
@@ -61,7 +61,8 @@ static rigcal_intrinsics_sigma times(double by)
     return s;
 }
 
-/* What is taken for the lens that saw it all. */
+/* The intrinsics that are assumed, drawn about those of the camera that took the
+ * pictures. */
 static rigcal_camera drawn(test_rng *rng, const rigcal_intrinsics_sigma *s)
 {
     rigcal_camera c = b.camera;
@@ -77,7 +78,7 @@ static rigcal_camera drawn(test_rng *rng, const rigcal_intrinsics_sigma *s)
     return c;
 }
 
-/* How many of the cameras that are not the frame are within their ellipsoids. */
+/* The number of cameras, besides the frame, that are within their ellipsoids. */
 static int holds(rigcal_real sigma_px)
 {
     int n = 0;
@@ -106,7 +107,8 @@ static void add_errors(double *turn2, double *shift2)
     }
 }
 
-/* The intrinsics by rounds of estimate and adjustment. 0: they do not settle. */
+/* Estimates the intrinsics by rounds of estimate and adjustment. Returns 0 if they do not
+ * settle. */
 static int estimate(tally *t, rigcal_rig_fit *fit)
 {
     rigcal_intrinsics_change made[CAMERAS] = {{0, 0, 0, 0, 0, 0}}, sigma[CAMERAS];
@@ -123,7 +125,7 @@ static int estimate(tally *t, rigcal_rig_fit *fit)
         if (rigcal_rig_estimate(&e, NULL, &b.rig, fit->sigma_px) != RIGCAL_OK) {
             return 0;
         }
-        if (D(e.step) < TOL(0.1, 0.25)) { /* as of calibrate --estimate-intrinsics */
+        if (D(e.step) < TOL(0.1, 0.25)) { /* as in calibrate --estimate-intrinsics */
             t->held_estimated += holds(fit->sigma_px);
             add_errors(&t->turn2_estimated, &t->shift2_estimated);
             return 1;

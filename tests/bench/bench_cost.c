@@ -14,7 +14,7 @@
 
 #define SIGMA_PX 0.5
 
-/* Planes are grids of so many columns. */
+/* A plane is a grid with this number of columns. */
 typedef struct {
     const char *name, *family;
     int n, is_lens, across;
@@ -38,7 +38,7 @@ static const column columns[] = {
 
 enum { COLUMNS = sizeof columns / sizeof columns[0], CHECKED = 20, COUNT_MAX = 100000 };
 
-/* Unity, which the tests' arithmetic is checked with, wants them. */
+/* Unity needs these: the arithmetic of the tests uses its checks. */
 void setUp(void)
 {
 }
@@ -68,7 +68,7 @@ static void put_on_grid(bench_scene *s, int across)
     }
 }
 
-/* The points of the scene as the column has them, and what its camera sees of them. */
+/* Makes the points of the column's kind, and what the camera sees of them. */
 static void make_scene(bench_scene *s, const column *c, long index)
 {
     const bench_view view = {3, 10, SIGMA_PX};
@@ -113,7 +113,8 @@ static void solve(tally *statuses, const column *c, int count, int warm)
     }
 }
 
-/* Every column, cold and warm: a pose, which is poor or fails in none. */
+/* Solves every column, without and with a previous pose: each must find a pose that
+ * fits. */
 static int check(void)
 {
     int wrong = 0;

@@ -1,4 +1,4 @@
-/* How often faults of a rig are named rightly, and how often where there is none.
+/* How often faults of a rig are named rightly, and how often one is named if there is none.
  *
  *     bench_faults none N        no fault: shares of p, of rigs with a name, of scores
  *     bench_faults power N       each fault in the scene of 4 cameras, 8 bursts of 3
@@ -16,7 +16,7 @@
 #include "rigcal_solvers.h"
 #include "test_support.h"
 
-/* Unity, which the tests' scenes are checked with, wants them. */
+/* Unity needs these: the scenes of the tests use its checks. */
 void setUp(void)
 {
 }
@@ -53,7 +53,7 @@ typedef struct {
 static scene s;
 static const double NOISE = 0.3, SPEED = 0.35, TURN = 0.8, FPS = 30;
 
-/* A normal number, of two uniform ones: the tails count here. */
+/* A normal number from two uniform ones, because here the tails matter. */
 static double normal(test_rng *rng)
 {
     const double u = 1 - test_uniform(rng, 0, 1), v = test_uniform(rng, 0, 2 * TEST_PI);
@@ -171,7 +171,7 @@ static rigcal_transform board_at(test_rng *rng)
     return test_transform(Rt, t);
 }
 
-/* What a fault does to a camera's numbers, a point, a clock. */
+/* What a fault does to a camera's intrinsics, a point and a clock. */
 static void disturb_camera(rigcal_camera *camera, const plan *p, int c)
 {
     if (p->camera != c) {
@@ -324,7 +324,7 @@ static void make(const plan *p, uint64_t seed)
 
 static long evaluations; /* of all adjustments */
 
-/* 0: the rig could not be adjusted. */
+/* Returns 0 if the rig could not be adjusted. */
 static int test_it(const uint8_t *breaks)
 {
     rigcal_rig_fit fit = {0};
@@ -357,7 +357,7 @@ static int none(int n)
 
         make(&p, 1000 + (uint64_t)i);
         memset(breaks, 0, sizeof breaks);
-        breaks[3 + (i / 7) % 18] = 1; /* one instant, so that p is that of one test */
+        breaks[3 + (i / 7) % 18] = 1; /* a single instant, so that p belongs to one test */
         if (!test_it(breaks)) {
             return 1;
         }
@@ -404,7 +404,7 @@ static int none(int n)
 typedef struct {
     const char *name;
     plan p;
-    double least, other; /* percent: right, another named first */
+    double least, other; /* percent: named rightly, another named first */
 } line;
 
 #define SCENE4 4, 8, 3, 1, 0
@@ -428,7 +428,8 @@ static const line LINES[] = {
      98,
      4}};
 
-/* Whether fault i is what was done; of two cameras one is as good as the other. */
+/* Whether fault i is the one that was made. If two cameras are possible, either is
+ * right. */
 static int is_right(const plan *p, int i)
 {
     return s.faults[i].kind == p->kind &&

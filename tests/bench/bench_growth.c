@@ -20,7 +20,7 @@ static const double SIGMA_PX = 0.5, WRONG = 0.3;
 static rigcal_observation seen[POINTS_MOST];
 static uint8_t inliers[POINTS_MOST];
 
-/* Unity, which the tests' arithmetic is checked with, wants them. */
+/* Unity needs these: the arithmetic of the tests uses its checks. */
 void setUp(void)
 {
 }
@@ -29,7 +29,7 @@ void tearDown(void)
 {
 }
 
-/* 1: there is such a lens. */
+/* Returns 1 if there is such a lens. */
 static int put_lens(rigcal_camera *camera, const char *name)
 {
     *camera = test_pinhole();

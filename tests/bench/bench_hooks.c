@@ -56,7 +56,7 @@ static uint32_t now(void)
 
 static uint64_t state;
 
-/* [low, high), SplitMix64, rounded to float. */
+/* A number in [low, high), by SplitMix64, rounded to float. */
 static double uniform(double low, double high)
 {
     uint64_t z = (state += UINT64_C(0x9E3779B97F4A7C15));
@@ -85,8 +85,8 @@ static rigcal_camera camera_of(int32_t lens)
     return c;
 }
 
-/* A target of size 2 about its origin, 3 to 6 away, turned anyhow, and its pixels
- * with the noise of a quarter of one. */
+/* A target of size 2 about its origin, 3 to 6 away, with any orientation. Its pixels have
+ * noise of a quarter of a pixel. */
 static struct {
     rigcal_camera camera;
     rigcal_observation seen[POINTS];

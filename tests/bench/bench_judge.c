@@ -76,8 +76,10 @@ static void spoil(const campaign *c, test_rng *rng)
 }
 
 typedef struct {
-    int known_wrong, known_named, wrong, named;  /* where it can be known; of all */
-    int known_right, known_false, right, false_; /* right views, and those named */
+    int known_wrong, known_named, wrong, named;  /* views whose error can be known; all
+                                                    views */
+    int known_right, known_false, right, false_; /* right views, and the right views that
+                                                    were named */
     int refused;                                 /* rigs */
     double error2, rigs, adjustments;
 } tally;

@@ -21,7 +21,8 @@ typedef struct {
     const char *what;
     int kind, places, points;
     double noise;
-    double least_without; /* share that the band holds without the calibration's part */
+    double least_without; /* least share that the band holds without the calibration's
+                             covariance */
     double most_without;
 } campaign;
 
@@ -48,7 +49,7 @@ static rigcal_calibrated_rig kept = {.cameras = cameras,
                                      .Sigma = Sigma,
                                      .Sigma_capacity = RIGCAL_CALIBRATED_SIZE(FREE)};
 
-/* Normal to its tails, which the sum of twelve numbers is not. */
+/* A normal number with correct tails, which a sum of twelve numbers does not have. */
 static double normal(test_rng *rng)
 {
     const double u = 1 - test_uniform(rng, 0, 1);
@@ -91,7 +92,7 @@ static int calibrate(const campaign *c, test_rng *rng, int n_cameras)
            rigcal_calibrated_take(&kept, &r.rig, &fit, RC(c->noise)) == RIGCAL_OK;
 }
 
-/* A point near where the targets were, as the cameras see it. */
+/* A point near the places of the targets, and its pixels in the cameras. */
 static void see_point(rigcal_real uv[CAMERAS][2], test_rng *rng, double noise)
 {
     const int n_cameras = (int)r.rig.n_cameras;
@@ -115,7 +116,7 @@ typedef struct {
     double share, width;
 } counts;
 
-/* Whether uv_b is in the band of uv_a; its variance over the width of a pixel. */
+/* Whether uv_b is in the band of uv_a. *width2: its variance over the width of a pixel. */
 static int is_in_band(double *width2, rigcal_match_pair *pair, rigcal_real uv[CAMERAS][2],
                       counts *n)
 {
@@ -194,7 +195,7 @@ static int run(const campaign *c, int index, int rigs)
     const double all = (double)n.all, in = (double)n.held / all;
     const double out = (double)n.without / all, moved = (double)n.transferred / all;
     const double fits = (double)n.points / all;
-    /* Rigs differ: one holds 97.5 to 100 %. Of few rigs the mean is off by chance. */
+    /* Rigs differ: one holds 97.5 to 100 %. With few rigs the mean differs by chance. */
     const double chance = rigs >= 500 ? 0 : 0.05 / sqrt((double)rigs);
 
     printf(
@@ -254,7 +255,7 @@ static void look_at_image(const test_bands *scene, size_t n)
     }
 }
 
-/* A pixel too many beside one that is in, at the end of its span, is allowed. */
+/* One pixel too many at the end of a span is allowed if its neighbour is in the band. */
 static void count_pixels(span_counts *n, const rigcal_camera *camera)
 {
     const int32_t width = camera->width;

@@ -5,10 +5,10 @@
 
 #include "bench_starts.h"
 
-/* Of 200 steps each; long valleys take several. */
+/* fits of 200 steps each; long valleys need several. */
 enum { FITS_MOST = 20 };
 
-/* A sum below that of a point behind the camera. */
+/* A sum of squares is below this unless a point is behind the camera. */
 #define FAR 1e299
 
 static test_data data_of(const bench_scene *s)
@@ -31,7 +31,7 @@ int bench_is_minimum(const bench_minima *m, int i, const double R[9], const doub
            test_sse(&data, R, t) <= m->list[i].sse * (1 + BENCH_SUM_TOL);
 }
 
-/* The fits' own projection goes on beyond a lens's turning point, which the camera does
+/* The projection of the fits continues beyond the turning point of a lens. The camera does
  * not. */
 static int is_seen(const bench_scene *s, const test_fitted *fitted)
 {
@@ -49,7 +49,7 @@ static int is_seen(const bench_scene *s, const test_fitted *fitted)
     return 1;
 }
 
-/* Its place in the list. */
+/* Returns its place in the list. */
 static int keep(bench_minima *m, const test_fitted *fitted)
 {
     for (int i = 0; i < m->n; i++) {

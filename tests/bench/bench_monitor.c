@@ -17,7 +17,7 @@ static const double DEGREE = TEST_PI / 180, NOISE = 0.3, SECONDS = 1.0 / 30;
 
 static test_watched w;
 
-/* Unity, which the tests' arithmetic is checked with, wants them. */
+/* Unity needs these: the arithmetic of the tests uses its checks. */
 void setUp(void)
 {
 }
@@ -102,7 +102,7 @@ static double coverage(int rigs, const rig_case *c, int most)
 
 /* ---- after a bump ------------------------------------------------------------------ */
 
-/* A turn of up to `degrees` about any axis, and a shift. */
+/* A random move: a turn of up to `degrees` about any axis, and a shift. */
 static void random_move(double d[6], test_rng *rng, double degrees, double t)
 {
     for (int k = 0; k < 6; k++) {
@@ -114,7 +114,7 @@ static void random_move(double d[6], test_rng *rng, double degrees, double t)
     }
 }
 
-/* The body is known, and opened; or an alarm was answered. */
+/* Answers a bump, either with the known body opened, or with an alarm that is answered. */
 static void bump(int rigs, const rig_case *c, double degrees, int by_alarm)
 {
     const double t = c->is_parallel ? 1e-3 : 5e-3;
@@ -203,7 +203,7 @@ enum { N_BLAMES = sizeof BLAMES / sizeof BLAMES[0] };
 static const double TAG[4][3] = {
     {-0.1, -0.1, 0}, {0.1, -0.1, 0}, {0.1, 0.1, 0}, {-0.1, 0.1, 0}};
 
-/* A tag 2.5 before the cameras, turned some way. */
+/* A tag 2.5 before the cameras, with a random orientation. */
 static void hang_tag(test_rng *rng)
 {
     watched_pose *const pose = &w.truth[w.n_cameras];
@@ -247,7 +247,7 @@ static void seen_frame(rigcal_monitor_report *report, test_rng *rng, double wron
     (void)rigcal_monitor_frame(report, w.monitor, (rigcal_real)SECONDS);
 }
 
-/* After so many frames of rest, a turn by so many degrees; 15 frames after the alarm. */
+/* Turns a body after a number of frames at rest, and answers 15 frames after the alarm. */
 static int blame_one(int *body, int *sure, double *confidence, const blame_case *c, int r)
 {
     test_rng rng = test_seed(9900 + (uint64_t)r);
@@ -337,7 +337,7 @@ static double limit_of(double mu, double arl0)
     return fmax(1, 2 * (exp(-mu * low) - 1 + mu * low) / (mu * mu));
 }
 
-/* Sampson's distance of an exact match by poses that are off: in standard deviations. */
+/* Sampson's distance of an exact match by inexact poses, in standard deviations. */
 static double distance_of(const watched_pose *a, const watched_pose *b, const double ua[2],
                           const double ub[2])
 {
@@ -360,7 +360,7 @@ static double distance_of(const watched_pose *a, const watched_pose *b, const do
            sqrt(gaa[0] * gaa[0] + gaa[1] * gaa[1] + n[0] * n[0] + n[1] * n[1]);
 }
 
-/* The standard deviations a frame by which the truth of now differs from `before`. */
+/* The shift, in standard deviations a frame, between the true poses now and `before`. */
 static double shift_of(const test_watched *before, test_rng *rng)
 {
     double sum = 0;
@@ -414,7 +414,7 @@ static void delay(int moves, const rig_case *c, double common, double mu_least,
         for (int k = 0; k < 6; k++) {
             d[k] = (k < 3 ? 1 : 0.1) * test_normal(&rng);
         }
-        /* to the size wanted, by its size when it is small */
+        /* scales the move to the wanted size by its effect when it is small */
         double wanted = test_uniform(&rng, mu_least, mu_most), e[6];
         for (int k = 0; k < 6; k++) {
             e[k] = d[k] * 1e-4;

@@ -32,7 +32,7 @@ extern "C" {
 #include "bench_minima.h"
 #include "bench_scenes.h"
 
-/* Unity, which the tests' arithmetic is checked with, wants them. */
+/* Unity needs these: the arithmetic of the tests uses its checks. */
 void setUp(void);
 void tearDown(void);
 }
@@ -55,9 +55,9 @@ static_assert(sizeof(rigcal_real) == sizeof(double), "OpenCV computes in double"
 
 /* ---- the heap's calls, counted ------------------------------------------- */
 
-/* glibc's own, under the names that it keeps for this. What the program defines takes
- * the place of theirs in every library too; operator new and cv::fastMalloc call
- * these. */
+/* glibc's own functions, under the names that it keeps for this purpose. Functions defined
+ * in the program replace those of every library; operator new and cv::fastMalloc call
+ * them. */
 extern "C" {
 void *__libc_malloc(size_t size);
 void *__libc_calloc(size_t n, size_t size);
@@ -121,18 +121,18 @@ struct problem {
     cv::Vec3d rvec_start, tvec_start;
 };
 
-/* The first is the one that the method takes for the best. */
+/* The first answer is the one that the method considers the best. */
 struct answers {
     int n;
     double R[ANSWERS_MAX][9], t[ANSWERS_MAX][3];
 };
 
-/* What a call leaves; turned into `answers` when the clock has stopped. */
+/* What a call returns. It is turned into `answers` after the clock was stopped. */
 struct outcome {
     rigcal_pose poses[RIGCAL_POSES_MAX];
     size_t n_poses;
     std::vector<cv::Vec3d> rvecs, tvecs;
-    bool is_first; /* only the first of these */
+    bool is_first; /* only the first of these counts */
 };
 
 static void rotation_of(double R[9], const cv::Vec3d &rvec)
@@ -196,7 +196,7 @@ static void answers_from(answers &a, const outcome &o)
 
 /* ---- the methods --------------------------------------------------------- */
 
-/* Whether it is defined there. */
+/* Whether the method is defined for any targets of n points. */
 static bool anywhere(const bench_family *, int n)
 {
     return n >= 4;
@@ -217,7 +217,7 @@ static bool on_tags(const bench_family *f, int n)
     return n == 4 && f->is_tag;
 }
 
-/* A linear start: six points unless they are in a plane. */
+/* A linear start needs six points unless they are in a plane. */
 static bool for_iterative(const bench_family *f, int n)
 {
     return n >= (is_plane(f) ? 4 : 6);
@@ -249,7 +249,7 @@ static void run_default(outcome &o, const problem &p)
     run_rigcal(o, p, nullptr);
 }
 
-/* With the noise stated: only then are minima of three points returned that do not fit
+/* The noise is stated: only then are minima of three points returned that do not fit
  * exactly. */
 static void run_known(outcome &o, const problem &p)
 {
@@ -299,7 +299,7 @@ static double sum_of(const problem &p, const cv::Vec3d &rvec, const cv::Vec3d &t
     return sum;
 }
 
-/* The best to the front. */
+/* Moves the best answer to the front. */
 static void choose(outcome &o, const problem &p)
 {
     size_t best = 0;
@@ -329,7 +329,7 @@ template <int flags> static void run_three(outcome &o, const problem &p)
     (void)cv::solveP3P(p.X, p.uv, p.K, cv::noArray(), o.rvecs, o.tvecs, flags);
 }
 
-/* All of them. */
+/* Refines all answers. */
 static void refine(outcome &o, const problem &p)
 {
     for (size_t i = 0; i < o.rvecs.size(); i++) {
@@ -373,7 +373,7 @@ enum section { COLD, WARM, THREE };
 struct method {
     const char *name;
     section where;
-    bool several; /* meant to return the second pose too */
+    bool several; /* whether it is meant to return the second pose too */
     bool is_ours;
     bool (*is_defined)(const bench_family *f, int n);
     void (*run)(outcome &o, const problem &p);
@@ -405,7 +405,7 @@ static const method methods[] = {
 
 enum { METHODS = sizeof methods / sizeof methods[0] };
 
-/* What is measured. Not inlined, for callgrind to find it by its name. */
+/* What is measured. It is not inlined, so that callgrind can find it by its name. */
 extern "C" __attribute__((noinline)) void bench_call(const method *m, outcome *o,
                                                      const problem *p)
 {
@@ -424,8 +424,8 @@ extern "C" __attribute__((noinline)) void bench_call(const method *m, outcome *o
 struct cell {
     int none, wrong, right, with_second, second_missing;
     double squares[2];
-    std::vector<double> ratios; /* time over rigcal's, a batch each */
-    /* three points */
+    std::vector<double> ratios; /* time over rigcal's, one for each batch */
+    /* scenes of three points in which the truth is missing */
     int truth_missing;
     double returned, missing;
 };
@@ -436,7 +436,7 @@ struct row {
     int n;
     bench_view view;
     int scenes;
-    cell minimum; /* what the best minimum itself has */
+    cell minimum; /* errors of the best minimum itself */
     cell cells[METHODS];
 };
 
@@ -471,8 +471,8 @@ static bool is_answered(bench_minima &m, int minimum, const answers &a)
     return false;
 }
 
-/* False where there is no answer, or another is better; from a start near the truth,
- * that which the truth lies in is right too. */
+/* Returns 0 if there is no answer, or if another minimum is better. A method that starts
+ * near the truth is also right in the minimum in which the truth lies. */
 static bool judge_first(cell &c, const answers &a, bench_minima &m, bool is_near)
 {
     if (a.n == 0) {
@@ -504,8 +504,8 @@ static void judge_second(cell &c, const answers &a, bench_minima &m)
     }
 }
 
-/* Minima that fit three points to rounding are poses; which is right, nothing
- * tells. */
+/* Minima that fit three points to rounding are exact poses. Nothing shows which one is
+ * right. */
 #define EXACT_PX 1e-6
 
 static bool judge_three(cell &c, const answers &a, bench_minima &m)
@@ -529,7 +529,7 @@ static bool is_used(const method &m, const row &r)
     return (r.n == 3) == (m.where == THREE) && m.is_defined(r.f, r.n);
 }
 
-/* All answers join the minima before the first is judged. */
+/* The minima of all answers are collected before the first answer is judged. */
 static void judge_scene(row &r, const batch &b, int scene, long index, bool list)
 {
     const bench_scene &s = b.problems[scene].scene;
@@ -568,7 +568,8 @@ static void judge_scene(row &r, const batch &b, int scene, long index, bool list
     }
 }
 
-/* Of this thread alone: what others do to the machine does not count as ours. */
+/* Processor seconds of this thread alone, so that other load of the machine does not
+ * count. */
 static double seconds()
 {
     timespec now;
@@ -577,7 +578,7 @@ static double seconds()
     return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
 
-/* Each method over the whole batch, one after the other. */
+/* Runs each method over the whole batch, one after the other. */
 static void measure(row &r, batch &b)
 {
     double took[METHODS] = {0}, base = 0;
@@ -613,7 +614,7 @@ static void run_row(row &r, bool list)
     row unused = r;
 
     fill_batch(b, r, 0, std::min<int>(BATCH, r.scenes));
-    measure(unused, b); /* what is done only once, and the caches */
+    measure(unused, b); /* for what is done only once, and for the caches */
     for (long from = 0; from < r.scenes; from += BATCH) {
         fill_batch(b, r, from, (int)std::min<long>(BATCH, r.scenes - from));
         measure(r, b);
@@ -705,7 +706,8 @@ static std::vector<int> columns(const std::vector<row> &rows,
     return chosen;
 }
 
-/* with_view: noise and distance are columns. with_minimum: so is the minimum. */
+/* with_view: noise and distance are columns. with_minimum: the errors of the minimum are,
+ * too. */
 static void print_table(const char *title, const std::vector<row> &rows,
                         bool (*wanted)(const method &), cell_printer print, bool with_view,
                         bool with_minimum)
@@ -778,7 +780,7 @@ static row row_of(const bench_family *f, int n, const bench_view &view, int scen
     return r;
 }
 
-/* Some of the lines. */
+/* Selects some of the rows. */
 static std::vector<row> those(const std::vector<row> &rows, bool (*wanted)(const row &))
 {
     std::vector<row> chosen;
@@ -940,7 +942,7 @@ static void bench_solve(const bench_family *f, int n, const method *m, int count
     for (long i = 0; i < count; i++) {
         problem_make(p, f, n, i, r.view);
         if (i == 0) {
-            m->run(o, p); /* what is done only once */
+            m->run(o, p); /* for what is done only once */
         }
         const long before = heap_calls;
 
@@ -983,7 +985,7 @@ static double noise_of(const std::string &text)
     return sigma;
 }
 
-/* From where no target reaches behind the camera. */
+/* A distance at which no target reaches behind the camera. */
 static double distance_of(const std::string &text)
 {
     return whole_number(text, 2, 1000);

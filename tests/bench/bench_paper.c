@@ -17,7 +17,7 @@
 
 #define DEGREE (TEST_PI / 180)
 
-/* Unity, which the tests' scenes are checked with, wants them. */
+/* Unity needs these: the scenes of the tests use its checks. */
 void setUp(void)
 {
 }
@@ -42,7 +42,7 @@ typedef struct {
     tally statuses;
     int right, solved;
     double evals;
-    int truth_failed; /* noisy: the search from the truth gave no pose */
+    int truth_failed; /* noisy scenes in which the search from the truth gave no pose */
 } grid_cell;
 
 typedef struct {
@@ -65,7 +65,7 @@ static rigcal_status solve(rigcal_paper_pose *pose, const problem *p,
     return rigcal_paper_solve(pose, p->bearings, p->n, p->pairs, p->n_pairs, options);
 }
 
-/* Degrees between a pose's rotation and the true one. */
+/* The angle in degrees between a pose's rotation and the true one. */
 static double turned(const rigcal_transform *found, const double R_true[9])
 {
     double R[9];
@@ -74,7 +74,7 @@ static double turned(const rigcal_transform *found, const double R_true[9])
     return test_angle_between(R, R_true) / DEGREE;
 }
 
-/* Root mean square distance of the scene's points from the images it tells. */
+/* The rms distance of the scene's points from their images at the true pose. */
 static double rms_of_truth(const test_scene *scene)
 {
     double sum = 0;
@@ -88,8 +88,8 @@ static double rms_of_truth(const test_scene *scene)
     return sqrt(sum / scene->n);
 }
 
-/* What a search must reach. A flat target's other optimum may fit better than the
- * one at the truth, and is then no mistake. */
+/* The rms that a search must reach. The other optimum of a flat target may fit better than
+ * the one at the truth, and then it is right. */
 static double rms_from_truth(grid_cell *cell, const problem *p, const test_scene *scene)
 {
     rigcal_paper_options options;
@@ -148,8 +148,8 @@ static void print_cell(const grid_cell *cell, int scenes)
     printf(" |");
 }
 
-/* One line: the same scenes with exact images and with noise. Returns how often
- * the search from the truth failed. */
+/* Prints one line: the same scenes with exact and with noisy images. Returns how often the
+ * search from the truth failed. */
 static int grid_row(test_shape shape, const char *name, int n, int scenes)
 {
     test_rng rng = test_seed((uint64_t)(1000 * (int)shape + n));
@@ -204,7 +204,7 @@ typedef struct {
     rigcal_transform reference;
 } real_view;
 
-/* Those of one set, or of all of them. */
+/* Results of one set, or of all sets. */
 typedef struct {
     real_view *list;
     size_t count;
@@ -219,7 +219,7 @@ static const char *join(const char *folder, const char *file)
     return path;
 }
 
-/* The last part of a path, which may end in a slash. */
+/* The last part of a path. The path may end with a slash. */
 static const char *name_of(const char *folder)
 {
     size_t end = strlen(folder), begin;
@@ -235,7 +235,7 @@ static const char *name_of(const char *folder)
     return name;
 }
 
-/* The pose in a row; its written digits make it a rotation but for rounding. */
+/* Reads the pose of a row. Its digits make a rotation except for rounding. */
 static void read_pose(rigcal_transform *pose, const csv_table *table, size_t row)
 {
     char name[] = "R11", axis[] = "tx";
@@ -277,7 +277,7 @@ static void read_bearings(real_view *view, const cli_cameras *cameras,
     }
 }
 
-/* A view for each reference pose. */
+/* Reads a set: a view for each reference pose. */
 static real_views read_set(const char *folder)
 {
     cli_cameras cameras;
@@ -308,7 +308,7 @@ static real_views read_set(const char *folder)
 
 typedef struct {
     tally statuses;
-    double *degrees, *percent; /* of the views solved */
+    double *degrees, *percent; /* of the views that were solved */
     size_t solved;
     double evals;
 } errors;
@@ -346,7 +346,7 @@ static int by_size(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* "worst | median", which are the last and the middle of the sorted. */
+/* Prints "worst | median": the last and the middle of the sorted errors. */
 static void print_spread(double error[], size_t n)
 {
     if (n == 0) {
@@ -372,7 +372,7 @@ static void errors_print(errors *e)
     "| evaluations | not OK |\n"
 #define ERROR_RULE " ---: | ---: | ---: | ---: | ---: | --- |\n"
 
-/* The reference, disturbed, as the guess. */
+/* Options whose guess is the reference pose with an error. */
 static rigcal_paper_options options_near(const real_view *view)
 {
     static const double off[3] = {3, -3, 3};
@@ -464,7 +464,7 @@ typedef struct {
     size_t n;
 } pair_list;
 
-/* A pair without an equation is left out, and nothing else. */
+/* Adds a pair to the list, unless it has no equation. */
 static void add_pair(pair_list *list, const real_view *view, size_t i, size_t j)
 {
     if (rigcal_pair_make(&list->pairs[list->n], view->bearings, view->n, (int32_t)i,
@@ -473,7 +473,7 @@ static void add_pair(pair_list *list, const real_view *view, size_t i, size_t j)
     }
 }
 
-/* (i, i + stride) round the circle of indices, no pair twice. */
+/* Adds the pairs (i, i + stride) round the circle of indices, each pair once. */
 static void add_stride(pair_list *list, const real_view *view, size_t stride)
 {
     const size_t n = view->n;
@@ -565,7 +565,8 @@ static double between_rays(const rigcal_bearing *a, const rigcal_bearing *b)
     return atan2(test_norm(across), test_dot(m_a, m_b));
 }
 
-/* The bearing whose least distance from the `count` in `of` is largest. */
+/* The bearing whose distance from the nearest of the `count` bearings in `of` is
+ * largest. */
 static size_t farthest(const real_view *view, const size_t of[], int count)
 {
     size_t far = 0;
@@ -585,7 +586,7 @@ static size_t farthest(const real_view *view, const size_t of[], int count)
     return far;
 }
 
-/* The six pairs of four points that stand far apart in the image. */
+/* The six pairs of four points that are far apart in the image. */
 static pair_list take_four_points(const real_view *view)
 {
     pair_list list = list_for(view);
@@ -690,7 +691,7 @@ static int scenes_of(const char *text)
     return (int)scenes;
 }
 
-/* The first line tells what was measured. */
+/* The first line, which says what was measured. */
 static void print_build(void)
 {
     printf("rigcal %d.%d.%d, %s, rigcal_real %s\n\n", RIGCAL_VERSION_MAJOR,

@@ -13,7 +13,7 @@
 #include "bench_minima.h"
 #include "solve.h"
 
-/* Unity, which the tests' scenes are checked with, wants them. */
+/* Unity needs these: the scenes of the tests use its checks. */
 void setUp(void)
 {
 }
@@ -36,7 +36,8 @@ static void scene_of(bench_scene *s, const paper_images *images, const paper_sce
     test_transform_parts(s->R, s->t, &scene->cam_from_target[c]);
 }
 
-/* Digital images: is the best minimum the right one, and was it found? */
+/* Digital images: counts whether the best minimum is the right pose, and whether it was
+ * found. */
 static void judge(counts *sum, const paper_attempt *a, const paper_images *images,
                   const paper_scene *scene, int c)
 {
@@ -72,7 +73,7 @@ static void see(counts *sum, const paper_scene *scene, int width, int digital)
         sum->images++;
         if (digital) {
             judge(sum, &a, &images, scene, c);
-        } else { /* the truth fits to rounding, so it is the best */
+        } else { /* the truth fits exactly, so it is the best */
             sum->fair++;
             sum->wrong += a.outcome != PAPER_CORRECT;
         }

@@ -15,7 +15,8 @@ enum { CAMERAS = 8, PLACES = 6, BOARD = 12, VIEWS = CAMERAS * PLACES, POINTS = 4
 
 static const double NOISE = 0.3, FAR = 4, ARC = 1.2, WRONG_LEAST = 5, WRONG_MOST = 60;
 
-/* chi square of 3 at 95 %; a normal variable's at 95 %; chi square of 2 n - 3 at 99 %. */
+/* The limits: chi square of 3 degrees at 95 %; a normal variable at 95 %; chi square of 2 n
+ * - 3 degrees at 99 %. */
 static const double ELLIPSOID = 7.8147, INTERVAL = 1.96;
 static const double CHI2[CAMERAS + 1] = {0,      0,      6.635,  11.345, 15.086,
                                          18.475, 21.666, 24.725, 27.688};
@@ -69,7 +70,8 @@ static rigcal_camera camera_of(lens_kind lens)
     return c;
 }
 
-/* A camera in the arc, which looks at the middle; a board near the middle, turned to it. */
+/* A camera in the arc, which looks at the middle. A board near the middle, turned to the
+ * arc. */
 static rigcal_transform camera_at(test_rng *rng, int c, int n)
 {
     const double azimuth = (c - (n - 1) / 2.0) * ARC / (n > 1 ? n - 1 : 1);
@@ -91,7 +93,7 @@ static rigcal_transform board_at(test_rng *rng)
     return test_transform(R, t);
 }
 
-/* The pixel of X, of the frame of the rig, by camera c as it is. */
+/* The noisy pixel of X, a point of the rig's frame, in the real camera c. */
 static void see(rigcal_real uv[2], test_rng *rng, int c, const double X[3])
 {
     double X_c[3], pixel[2];
@@ -121,7 +123,7 @@ static void see_board(test_rng *rng, int v, int c, int f)
     }
 }
 
-/* Camera 0 is the frame. 0: it could not be adjusted. */
+/* Makes and adjusts a rig; camera 0 is the frame. Returns 0 if it could not be adjusted. */
 static int make_rig(test_rng *rng, int n, lens_kind lens)
 {
     rigcal_transform rig_from_middle;
@@ -222,7 +224,7 @@ static void measure(measurement *m, test_rng *rng, int n, int n_wrong, int keep_
     m->status = rigcal_point_measure(&m->measured, m->used, &s);
 }
 
-/* d^T Sigma^-1 d, by elimination. */
+/* d^T Sigma^-1 d, by Gaussian elimination. */
 static double over(const rigcal_real Sigma[9], const double d[3])
 {
     double A[3][4], sum = 0;
@@ -295,7 +297,7 @@ static int is_within(double share, double low, double high)
     return share >= low && share <= high;
 }
 
-/* 0: a share misses its limits. */
+/* Returns 0 if a share misses its limits. */
 static int sigmas(int n, lens_kind lens, int rigs)
 {
     static const char *const NAMES[LENSES] = {"pinhole", "Brown", "fisheye"};
@@ -319,7 +321,8 @@ static int sigmas(int n, lens_kind lens, int rigs)
     printf("| %d | %s | %.1f %% | %.1f %% | %.2f %% | %.1f %% | %d of %d |\n", n,
            NAMES[lens], whole, percent(t.noise, t.points), chi2, length, t.refused,
            t.points + t.refused);
-    /* Points of one rig share its error: three standard errors of 50 rigs are 2 %. */
+    /* Points of one rig share its error, so the shares scatter: three standard errors of 50
+     * rigs are 2 %. */
     const double spare = rigs < 500 ? 2 : 0;
     return is_within(whole, 94 - spare, 96 + spare) &&
            is_within(length, 94 - spare, 96 + spare) &&
@@ -330,7 +333,8 @@ static int sigmas(int n, lens_kind lens, int rigs)
 
 typedef struct {
     int views, wrong;
-    double least; /* percent: only the right ones kept, all of them */
+    double least; /* least percentages: exactly the right views kept; all right views
+                     kept */
 } fault;
 
 static const fault FAULTS[] = {{3, 1, 95}, {4, 1, 99}, {6, 1, 99}, {6, 2, 99},
@@ -377,7 +381,7 @@ static int faults(const fault *f, int rigs)
     return share >= f->least;
 }
 
-/* 0: a share misses its limits. */
+/* Returns 0 if a share misses its limits. */
 static int tables(int rigs)
 {
     int good = 1;

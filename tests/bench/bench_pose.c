@@ -1,12 +1,12 @@
 /* bench_pose: the figures of BENCHMARKS.md about rigcal_pose_solve, as Markdown.
  *
  *   bench_pose minima [SCENES] [SIGMA_PX] [--known] [--list]
- *       whether the best minimum is found, and how good it is; --known: the noise
- *       is told to the solver; --list: the scenes that went wrong, on stderr
+ *       whether the best minimum is found, and how good it is; --known: the solver knows
+ *       the noise; --list: the scenes that went wrong, on stderr
  *   bench_pose replay FAMILY N INDEX [SIGMA_PX]
  *       one of those scenes: its minima, and what was returned
  *   bench_pose coverage [SCENES]
- *       whether the covariance tells the truth
+ *       whether the covariance is right
  *   bench_pose answers [SCENES] [SIGMA_PX] | bench_pose compare [SCENES] [SIGMA_PX]
  *       the first of a double build piped to the second of a float build
  *   bench_pose solve FAMILY N COUNT [warm]
@@ -28,7 +28,7 @@ static const int counts[] = {4, 5, 6, 8, 12, 20, 50};
 
 enum { COUNTS = sizeof counts / sizeof counts[0] };
 
-/* Unity, which the tests' arithmetic is checked with, wants them. */
+/* Unity needs these: the arithmetic of the tests uses its checks. */
 void setUp(void)
 {
 }
@@ -43,7 +43,7 @@ static void fail(const char *why)
     exit(2);
 }
 
-/* 3 to 10 sizes away. */
+/* targets 3 to 10 sizes away */
 static bench_view view_of(double sigma)
 {
     const bench_view view = {3, 10, sigma};
@@ -55,7 +55,8 @@ static bench_view view_of(double sigma)
 
 typedef struct {
     tally statuses;
-    int solved, not_best, unfinished, unlisted; /* best: same place, elsewhere */
+    int solved, not_best, unfinished, unlisted; /* not the best minimum: near it,
+                                                   elsewhere */
     int with_second, second_missing, second_matters, twice;
     int right, wrong_yet_ok, bounded, evals_most;
     double squares, squares_of_minimum, evals;
@@ -77,7 +78,7 @@ static double mean_square(const bench_scene *s, const double deviation[6],
     return (squares[0] + squares[1]) / 2;
 }
 
-/* How the first solution stands to the best minimum. 0: not well. */
+/* Compares the first pose with the best minimum. Returns 0 if the pose is wrong. */
 static int judge_first(minima_cell *cell, const bench_solution *found, bench_minima *m)
 {
     const int best = bench_minima_ranked(m, 0);
@@ -93,7 +94,7 @@ static int judge_first(minima_cell *cell, const bench_solution *found, bench_min
     return 0;
 }
 
-/* The likelihood of the second over that of the best, the noise not being known. */
+/* The likelihood of the second minimum over that of the best, with unknown noise. */
 static double odds_of(const bench_minima *m, int best, int second)
 {
     return pow(m->list[best].sse / m->list[second].sse, m->scene->n - 3);
@@ -115,7 +116,7 @@ static int judge_second(minima_cell *cell, const bench_solution *found, bench_mi
     return 0;
 }
 
-/* Whether two of the poses are in one minimum. */
+/* Whether two of the returned poses are in one minimum. */
 static int is_twice(const bench_solution *found, bench_minima *m)
 {
     for (size_t i = 1; i < found->n; i++) {
@@ -147,7 +148,7 @@ static void judge_error(minima_cell *cell, const bench_scene *s,
     }
 }
 
-/* 0: something is wrong with it. */
+/* Returns 0 if something is wrong with it. */
 static int judge(minima_cell *cell, const bench_scene *s, const bench_solution *found,
                  bench_minima *m, int has_second)
 {
@@ -234,7 +235,7 @@ static void cell_add(minima_cell *sum, const minima_cell *cell)
     sum->evals += cell->evals;
 }
 
-/* The last line: all of them. */
+/* Prints the last line: the sum of all. */
 static void minima_sum(const minima_row rows[], int n_rows)
 {
     static const bench_family all = {"all", {0, 0, 0}, 0, 0, 1, 0};
@@ -346,7 +347,7 @@ static void bench_replay(const bench_family *f, int n, long index, double sigma)
 /* 95 % of chi squared with 6 degrees of freedom. */
 #define CHI_SQUARED_95 12.591587243743977
 
-/* Whether the truth is in the ellipsoid round a pose. */
+/* Whether the truth is in the ellipsoid about a pose. */
 static int is_covered(const bench_scene *s, const rigcal_pose *pose, double sigma)
 {
     rigcal_pose_uncertainty u;
@@ -409,7 +410,7 @@ static void bench_coverage(int scenes)
 
 /* ---- float against double ------------------------------------------------ */
 
-/* What one build tells the other of a scene. */
+/* What one build writes about a scene for the other build. */
 typedef struct {
     double R[9], t[3];
     rigcal_status status;
@@ -443,11 +444,12 @@ static void write_answers(int scenes, double sigma)
 
 typedef struct {
     tally statuses;
-    int right[2], alike, bounded; /* there, here; here another that fits alike */
+    int right[2], alike, bounded; /* right there, right here; another pose here that fits
+                                     alike */
     double squares[2], between;
 } compare_cell;
 
-/* A sum that two precisions may take for the same. */
+/* Sums that differ by less may be the same in two precisions. */
 #define ALIKE_TOL 0.01
 
 static void compare_errors(compare_cell *cell, const bench_scene *s, const answer *there,
@@ -468,8 +470,8 @@ static void compare_errors(compare_cell *cell, const bench_scene *s, const answe
     }
 }
 
-/* Where the other build's first pose lies in the best minimum, does this one's? 0:
- * no. */
+/* Whether this build's first pose lies in the best minimum, if that of the other build
+ * does. 0: it does not. */
 static int compare_try(compare_cell *cell, const bench_scene *s, const answer *there)
 {
     bench_solution here;
@@ -662,7 +664,7 @@ static const bench_family *family_of(const char *name)
     return f;
 }
 
-/* The first line tells what was measured. */
+/* The first line, which says what was measured. */
 static void print_build(void)
 {
     printf("rigcal %d.%d.%d, %s, rigcal_real %s\n\n", RIGCAL_VERSION_MAJOR,

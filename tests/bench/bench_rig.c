@@ -16,7 +16,7 @@
 
 #include "bench_rigs.h"
 
-/* Unity, which the tests' arithmetic is checked with, wants them. */
+/* Unity needs these: the arithmetic of the tests uses its checks. */
 void setUp(void)
 {
 }
@@ -44,7 +44,7 @@ static void run(rigcal_rig_fit *fit, bench_rig *b, int is_join)
     }
 }
 
-/* The join again, in steps, whose result tells the evaluations. */
+/* Joins again in steps, because their result has the number of evaluations. */
 static void count_join(rigcal_rig_fit *fit, bench_rig *b)
 {
     rigcal_rig_solver solver;
@@ -93,8 +93,9 @@ static void print_poses(const rigcal_transform poses[], int n)
     }
 }
 
-/* Counts; a line a camera; the starts; a line a point: camera, placement, X, uv. Then the
- * sum, the poses, and of each camera the sigma of (w, dt) for noise of 1 px. */
+/* Prints the counts; a line for each camera; the starts; a line for each point: camera,
+ * placement, X, uv. Then the sum, the poses, and for each camera the sigma of (w, dt) for
+ * noise of 1 px. */
 static void print_rig(bench_rig *b)
 {
     const int n_poses = b->n_cameras + b->n_placements;

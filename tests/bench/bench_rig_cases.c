@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define ARC 1.4 /* radian, of all cameras */
+#define ARC 1.4 /* radian, over all cameras */
 enum { TRIES = 1000 };
 
 /* ---- a rig --------------------------------------------------------------- */
@@ -77,7 +77,7 @@ static void make_target(rig_case *r, test_rng *rng)
     }
 }
 
-/* cam_from_world; the world's origin is in the middle of the placements. */
+/* cam_from_world. The origin of the world is in the middle of the placements. */
 static rigcal_transform camera_pose(const rig_case *r, test_rng *rng, int index)
 {
     static const double up[3] = {0, 1, 0};
@@ -94,7 +94,7 @@ static rigcal_transform camera_pose(const rig_case *r, test_rng *rng, int index)
     return test_transform(R, t);
 }
 
-/* rig_from_placement, anywhere in the images. */
+/* rig_from_placement, so that the target is in the images. */
 static rigcal_transform placement_pose(const rig_case *r, test_rng *rng,
                                        const rigcal_transform *rig_from_world)
 {
@@ -110,7 +110,7 @@ static rigcal_transform placement_pose(const rig_case *r, test_rng *rng,
     return test_times(rig_from_world, &world_from_placement);
 }
 
-/* The pixels of a view. 0: a point is out of the image. */
+/* The pixels of a view. Returns 0 if a point is outside the image. */
 static int see(rigcal_observation seen[], const rig_case *r, test_rng *rng, int camera,
                int placement)
 {
@@ -131,10 +131,10 @@ static int see(rigcal_observation seen[], const rig_case *r, test_rng *rng, int 
     return 1;
 }
 
-/* Whether all cameras hang together. */
+/* Whether all cameras are connected. */
 static int is_connected(const rig_case *r)
 {
-    int reached = 1; /* a bit a camera */
+    int reached = 1; /* one bit for each camera */
 
     for (int round = 0; round < r->n_cameras; round++) {
         for (int f = 0; f < r->n_placements; f++) {
@@ -149,8 +149,8 @@ static int is_connected(const rig_case *r)
     return reached == (1 << r->n_cameras) - 1;
 }
 
-/* Each camera sees its share of the placements. Of a rig that is apart the first and the
- * last one see none together. */
+/* Gives each camera its share of the placements. In a rig without a connection the first
+ * and the last camera share none. */
 static void choose_views(rig_case *r, test_rng *rng)
 {
     memset(r->sees, 0, sizeof r->sees);
@@ -180,8 +180,8 @@ static void choose_views(rig_case *r, test_rng *rng)
     }
 }
 
-/* The views of a placement, the first of which is `first`; their number. 0: a point is out
- * of an image. */
+/* Makes the views of a placement, the first of which is `first`. Returns their number; 0: a
+ * point is outside an image. */
 static size_t see_placement(rig_case *r, test_rng *rng, int placement, size_t first)
 {
     size_t n = first;
@@ -200,8 +200,8 @@ static size_t see_placement(rig_case *r, test_rng *rng, int placement, size_t fi
     return n - first;
 }
 
-/* Cameras, and placements that those who see them have in their images. 0: there are
- * none. */
+/* Makes cameras, and placements that lie within the images of the cameras that see them.
+ * Returns 0 if there are none. */
 static int make_poses(rig_case *r, test_rng *rng)
 {
     const rigcal_transform first = camera_pose(r, rng, 0);

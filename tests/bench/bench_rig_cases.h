@@ -26,8 +26,9 @@ typedef struct {
     double X[POINTS][3];
     uint8_t sees[PLACEMENTS][CAMERAS];
     rigcal_camera camera[CAMERAS];
-    rigcal_transform truth[POSES]; /* cams_from_rig; from CAMERAS on rig_from_placements */
-    rigcal_transform poses[POSES]; /* the same, of the rig */
+    rigcal_transform truth[POSES]; /* cams_from_rig; from index CAMERAS on
+                                      rig_from_placements */
+    rigcal_transform poses[POSES]; /* poses of the rig, in the same order */
     rigcal_rig_view views[VIEWS];
     rigcal_view_pose own[VIEWS];
     rigcal_observation seen[VIEWS][POINTS];
@@ -37,14 +38,16 @@ typedef struct {
 } rig_case;
 
 /* A rig of 5 to placements_max placements, whose cameras are connected. Its view_poses are
- * not made yet. Ends the program where there is none. */
+ * not made yet. The program ends if there is none. */
 void rig_case_make(rig_case *r, test_rng *rng, int placements_max);
 
-/* The pose of every view by itself, in the minimum near the truth. 0: one has none. */
+/* Solves each view by itself, in the minimum near the truth. Returns 0 if a view has no
+ * pose. */
 int rig_case_solve_views(rig_case *r);
 
 void rig_case_start_at_truth(rig_case *r);
-/* Each camera and placement by a single view, along a tree from camera 0. */
+/* Starts each camera and placement from a single view, along a tree that begins at camera
+ * 0. */
 void rig_case_start_composed(rig_case *r);
 
 #endif /* BENCH_RIG_CASES_H */

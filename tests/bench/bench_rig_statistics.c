@@ -1,6 +1,7 @@
-/* bench_rig_statistics: how far adjusted rigs are from the truth, by what their covariances
- * tell. Two to eight cameras stand in an arc; a board, a spatial target or the corners of a
- * tag is in 5 to 50 placements, of which a camera sees 30 to 100 %. Noise is 0.3 px.
+/* bench_rig_statistics: how far adjusted rigs are from the truth, in units of their
+ * covariances. Two to eight cameras stand in an arc; a board, a spatial target or the
+ * corners of a tag is in 5 to 50 placements, of which a camera sees 30 to 100 %. Noise is
+ * 0.3 px.
  *
  *   bench_rig_statistics RIGS [SEED]
  *       two tables in Markdown: a line a number of cameras, a target, a lens
@@ -17,13 +18,13 @@
 #include "bench_rig_cases.h"
 #include "test_fit.h"
 
-enum { EVALS = 201 }; /* more than a search takes */
+enum { EVALS = 201 }; /* more than a search can take */
 
 #define SEED 20240611
 #define DEGREE (TEST_PI / 180)
-#define CHI2_6 12.5916 /* 95 % of chi square of 6 are below */
+#define CHI2_6 12.5916 /* 95 % of chi square of 6 degrees are below this */
 
-/* Unity, which the tests' arithmetic is checked with, wants them. */
+/* Unity needs these: the arithmetic of the tests uses its checks. */
 void setUp(void)
 {
 }
@@ -90,16 +91,16 @@ static double f_quantile(double p, double d1, double d2)
 
 /* ---- what is measured ---------------------------------------------------- */
 
-/* Of a camera, a pair and a placement: (error / bound)^2, and whether the truth is inside
- * the 95 % ellipsoid by the known and by the estimated sigma. Then F over its mean, and
- * (error / bound)^2 of cameras of the join. */
+/* The quantities for a camera, a pair and a placement: (error / bound)^2, and whether the
+ * truth is inside the 95 % ellipsoid of the known and of the estimated sigma. Then F over
+ * its mean, and (error / bound)^2 of the cameras of the join. */
 enum { ERROR, KNOWN = 3, ESTIMATED = 6, F_RATIO = 9, JOIN, QUANTITIES };
 enum { COMPOSED, JOINED, STARTS };
 
 typedef struct {
     double sum[QUANTITIES], n[QUANTITIES];
     int evals[STARTS], is_elsewhere[STARTS];
-    double off; /* distance_from_minimum */
+    double off; /* result of distance_from_minimum */
 } figures;
 
 static void add(figures *f, int quantity, double value)
@@ -108,7 +109,7 @@ static void add(figures *f, int quantity, double value)
     f->n[quantity] += 1;
 }
 
-/* Sigma is that of the true noise. */
+/* Sigma is the covariance for the true noise. */
 static void add_error(figures *f, int what, const rigcal_transform *found,
                       const rigcal_transform *truth, const rigcal_real Sigma[36],
                       const rigcal_rig_fit *fit)
@@ -155,7 +156,7 @@ static void add_errors(figures *f, rig_case *r, const rigcal_rig_fit *fit)
 }
 
 /* Sum of squares of what a camera sees, in units of the noise, by the arithmetic of the
- * tests; its pose is off by `step` of unknown k. */
+ * tests. Unknown k of its pose is changed by `step`. */
 static double sum_of(const rig_case *r, int camera, int k, double step)
 {
     double d[6] = {0}, sum = 0;
@@ -217,7 +218,7 @@ static int is_sharp(rigcal_real Sigma[CAMERAS][36], const rig_case *r)
     return is_sharp;
 }
 
-/* In another minimum than from the truth. */
+/* Whether the rig is in another minimum than an adjustment from the truth. */
 static int is_other(const rigcal_rig_fit *fit, const rigcal_rig_fit *from_truth)
 {
     const double tol = 0.1 * NOISE * NOISE + TOL(1e-9, 3e-5) * D(from_truth->sum);
@@ -225,7 +226,7 @@ static int is_other(const rigcal_rig_fit *fit, const rigcal_rig_fit *from_truth)
     return fabs(D(fit->sum) - D(from_truth->sum)) > tol;
 }
 
-/* 0: the rig does not count. */
+/* Returns 0 if the rig does not count. */
 static int measure(figures *f, rig_case *r)
 {
     rigcal_real Sigma[CAMERAS][36];
@@ -266,8 +267,8 @@ static int measure(figures *f, rig_case *r)
 
 /* ---- families ------------------------------------------------------------ */
 
-/* Sums over rigs. Errors of one rig hang together, so the standard error of a mean is that
- * of a ratio of sums, a rig being one draw. */
+/* Sums over rigs. Errors of one rig are correlated. So the standard error of a mean is that
+ * of a ratio of sums, in which a rig is one draw. */
 typedef struct {
     const char *name;
     int rigs;
@@ -329,7 +330,7 @@ static int quantile(const int counts[EVALS], double share, int n)
     return EVALS;
 }
 
-/* Rigs until RIGS count; the number that did not. */
+/* Makes rigs until RIGS of them count. Returns the number that did not. */
 static int run(rig_case *r, int rigs, uint64_t seed, int placements_max)
 {
     figures f;

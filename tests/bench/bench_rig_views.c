@@ -11,7 +11,7 @@
 
 #include "test_support.h"
 
-/* Unity, which the tests' arithmetic is checked with, wants them. */
+/* Unity needs these: the arithmetic of the tests uses its checks. */
 void setUp(void)
 {
 }
@@ -124,7 +124,8 @@ static void read_rig(given *g)
     rig->view_poses = g->own;
 }
 
-/* Each camera and placement by a single view, along a tree from camera 0. */
+/* Composes each camera and placement from a single view, along a tree that begins at camera
+ * 0. */
 static void compose(given *g)
 {
     const rigcal_rig *const rig = &g->rig;

@@ -3,8 +3,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#define FAR 5.0 /* of the target's middle from camera 0 */
-#define ARC 1.4 /* radian, of all cameras */
+#define FAR 5.0 /* distance of the target's middle from camera 0 */
+#define ARC 1.4 /* radian, over all cameras */
 
 static void fail(const char *why)
 {
@@ -72,7 +72,7 @@ static rigcal_camera camera_of(test_rng *rng)
     return c;
 }
 
-/* The pixels of a view, by the true poses. */
+/* The noisy pixels of a view, by the true poses. */
 static void see(rigcal_observation seen[], test_rng *rng, const rigcal_camera *camera,
                 const rigcal_transform *cam_from_target, double (*X)[3], int n)
 {
@@ -94,11 +94,11 @@ static void see(rigcal_observation seen[], test_rng *rng, const rigcal_camera *c
     }
 }
 
-/* The first eight points are near the corners of the box, four of them off any plane, so
- * that no view is weak. */
+/* The first eight points are near the corners of the box, four of them off every plane, so
+ * every view has enough information. */
 static void make_views(bench_rig *b, test_rng *rng)
 {
-    static const int corners[8] = {0, 3, 5, 6, 7, 4, 2, 1}; /* a bit an axis */
+    static const int corners[8] = {0, 3, 5, 6, 7, 4, 2, 1}; /* one bit for each axis */
     double(*const X)[3] = memory((size_t)b->n_points, sizeof *X);
     const rigcal_transform *const places = &b->poses[b->n_cameras];
 

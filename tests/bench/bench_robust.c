@@ -24,13 +24,13 @@ enum { N_MOST = TEST_SCENE_MAX };
 enum { NEAR_THE_TARGET, IN_THE_IMAGE, SWAPPED, WAYS };
 static const char *const WAY[WAYS] = {"near the target", "in the image", "swapped"};
 
-/* From 3 to 10 sizes, noise of half a pixel. */
+/* Targets 3 to 10 sizes away, noise of half a pixel. */
 static const bench_view NEAR = {3, 10, 0.5};
 
 typedef struct {
     bench_scene scene;
     uint8_t right[N_MOST];
-    rigcal_observation rest[N_MOST]; /* the right ones alone */
+    rigcal_observation rest[N_MOST]; /* only the right observations */
     size_t n_rest;
 } spoilt;
 
@@ -83,7 +83,8 @@ static void spoil(spoilt *p, int n_wrong, int way)
     }
 }
 
-/* Error of the nearest of the poses: angle, and length over the distance. */
+/* The error of the pose nearest to the truth: the angle, and the length over the
+ * distance. */
 static void nearest(double error[2], const bench_scene *s, const rigcal_pose poses[],
                     size_t n)
 {
@@ -103,9 +104,10 @@ static void nearest(double error[2], const bench_scene *s, const rigcal_pose pos
     }
 }
 
-/* Right: no more than three times as far off as the pose of the right points alone,
- * which is the same least squares up to a point or two at the threshold, and 2
- * degrees and 2 %, which some such scenes have in store between their optima. */
+/* Whether a pose is right: its error is at most three times that of the pose of the right
+ * points alone, plus 2 degrees and 2 %. The first is the same least squares, except for a
+ * point or two at the threshold. The second allows for the distance between two optima of
+ * some scenes. */
 static int is_right(const spoilt *p, const rigcal_pose poses[], size_t n)
 {
     rigcal_pose others[RIGCAL_POSES_MAX];

@@ -16,7 +16,7 @@ const bench_family bench_families[BENCH_FAMILIES] = {
 
 #define TILT_MOST (60 * BENCH_DEGREE)
 
-/* Deviation of what rounding to whole numbers does, 1 / sqrt(12). */
+/* The standard deviation of rounding to whole numbers, 1 / sqrt(12). */
 #define ROUNDING 0.28867513459481287
 
 const bench_family *bench_family_of(const char *name)
@@ -34,7 +34,8 @@ int bench_has(const bench_family *f, int n)
     return n <= TEST_SCENE_MAX && (!f->is_tag || n == 4);
 }
 
-/* The corners of a tag begin at its upper left, clockwise to one who sees y up. */
+/* The corners of a tag begin at its upper left and go clockwise, for a viewer who sees y
+ * up. */
 static void place_point(double X[3], test_rng *rng, const bench_family *f, int i)
 {
     if (f->is_tag) {
@@ -48,7 +49,8 @@ static void place_point(double X[3], test_rng *rng, const bench_family *f, int i
     }
 }
 
-/* The z axis uniform on the cap round the line of sight, any turn about it. */
+/* A rotation whose z axis is uniform in a cap about the line of sight, with any turn about
+ * it. */
 static void tilt(double R[9], test_rng *rng, const double t[3])
 {
     const double across[3] = {-t[1], t[0], 0};
@@ -77,7 +79,7 @@ static void place_camera(bench_scene *s, const bench_family *f, const bench_view
     }
 }
 
-/* Whether all of the target is in the image. */
+/* Whether the whole target is in the image. */
 static int see_target(bench_scene *s, const bench_family *f, const bench_view *view)
 {
     int inside = 1;

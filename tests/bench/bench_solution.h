@@ -1,5 +1,5 @@
-/* bench_solution.h - what rigcal_pose_solve made of a scene, and in which of the scene's
- * minima its poses lie. */
+/* bench_solution.h - the result of rigcal_pose_solve for a scene, and in which of the
+ * scene's minima its poses lie. */
 #ifndef BENCH_SOLUTION_H
 #define BENCH_SOLUTION_H
 
@@ -12,19 +12,20 @@ typedef struct {
     int evals; /* units of rigcal_pose_step */
 } bench_solution;
 
-/* What rigcal_pose_solve does, unit by unit, so that they count. options NULL: all
- * defaults. */
+/* Does the same as rigcal_pose_solve, unit by unit, so that units are counted. options
+ * NULL: all defaults. */
 void bench_solve(bench_solution *found, const bench_scene *s,
                  const rigcal_pose_options *options);
 
-/* The same, and the minima of the scene; those in which the poses lie are among them. */
+/* The same, and finds the minima of the scene. Minima in which the poses lie are among
+ * them. */
 void bench_solve_and_find(bench_solution *found, bench_minima *m, const bench_scene *s,
                           const rigcal_pose_options *options);
 
 /* The first pose, in doubles. */
 void bench_first(double R[9], double t[3], const bench_solution *found);
 
-/* The minimum that pose i lies in, or -1. */
+/* The minimum in which pose i lies, or -1. */
 int bench_minimum_of(bench_minima *m, const bench_solution *found, size_t i);
 
 /* Whether one of the poses lies in a minimum. */

@@ -3,19 +3,20 @@
 #include <math.h>
 #include <string.h>
 
-/* Steps of a fit, and tries of a step. The fit in pixels that follows goes to the end. */
+/* Steps of a fit, and tries of a step. A fit in pixels follows and converges fully. */
 enum { STEPS = 40, TRIES = 10 };
 
-/* The most that one step turns [rad] or moves [sizes of the target]. */
+/* A step turns at most this angle [rad], and moves at most this length [sizes of the
+ * target]. */
 #define STEP_MOST 0.7
 
 /* A step that gains less than this part of the sum is the last. */
 #define GAIN_LEAST 1e-6
 
-/* Two ends so near to each other [rad] are one. */
+/* Ends that are closer than this [rad] are the same. */
 #define SAME_END 1e-3
 
-/* The points from their middle, and the unit rays of their pixels. */
+/* The points relative to their middle, and the unit rays of their pixels. */
 typedef struct {
     double middle[3], x[TEST_SCENE_MAX][3], ray[TEST_SCENE_MAX][3];
     int n;
@@ -75,7 +76,7 @@ static double sum_of(const bearings *b, const double R[9], const double t[3])
     return sum;
 }
 
-/* The lower triangle of J^T J, J^T e, and the sum, by (w, dt) of test_move. */
+/* The lower triangle of J^T J, J^T e, and the sum. J is by the (w, dt) of test_move. */
 static double equations_of(double H[36], double g[6], const bearings *b, const double R[9],
                            const double t[3])
 {
@@ -108,7 +109,7 @@ static double equations_of(double H[36], double g[6], const bearings *b, const d
     return sum;
 }
 
-/* The damped step that H and g ask for, of no more than STEP_MOST. */
+/* The damped step that H and g give, of at most STEP_MOST. */
 static int step_of(double d[6], const double H[36], const double g[6], double damping)
 {
     double A[36], length;
@@ -129,7 +130,7 @@ static int step_of(double d[6], const double H[36], const double g[6], double da
     return 1;
 }
 
-/* Levenberg-Marquardt; t is that of the middle. */
+/* Levenberg-Marquardt; t is the place of the middle. */
 static void fit_bearings(double R[9], double t[3], const bearings *b)
 {
     double damping = 1e-3;
@@ -139,7 +140,7 @@ static void fit_bearings(double R[9], double t[3], const bearings *b)
         double H[36], g[6];
         const double sum = equations_of(H, g, b, R, t);
 
-        done = 1; /* unless something is gained */
+        done = 1; /* unless this step gains something */
         for (int tries = 0; tries < TRIES; tries++) {
             double d[6], R2[9], t2[3], sum2;
 
@@ -162,7 +163,7 @@ static void fit_bearings(double R[9], double t[3], const bearings *b)
     }
 }
 
-/* The t that brings the points nearest to the rays' lines, R being what it is. */
+/* The t that brings the points closest to the lines of the rays, for this R. */
 static int translation_of(double t[3], const bearings *b, const double R[9])
 {
     double A[9] = {0}, y[3] = {0};
@@ -181,7 +182,7 @@ static int translation_of(double t[3], const bearings *b, const double R[9])
     return test_solve(t, A, y, 3);
 }
 
-/* The k-th of a cube's 24 rotations: 4 turns of each of its 6 faces. */
+/* Rotation k of the 24 rotations of a cube: 4 turns of each of its 6 faces. */
 static void cube_rotation(double R[9], int k)
 {
     static const int FACE[6][2] = {{0, 0}, {0, 1}, {0, 2}, {0, 3}, {1, 0}, {3, 0}};

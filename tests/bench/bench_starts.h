@@ -1,5 +1,5 @@
-/* bench_starts.h - starts all over the rotations, for the fits that find the minima of
- * a scene: what the library's search might have missed. They share nothing with it. */
+/* bench_starts.h - starts over all rotations, for the fits that find the minima of a scene.
+ * The library's search might have missed some. These fits share no code with it. */
 #ifndef BENCH_STARTS_H
 #define BENCH_STARTS_H
 
@@ -10,8 +10,8 @@
 enum { BENCH_STARTS_MAX = 24 };
 
 /* The different places where fits from all these rotations end. Such a fit minimises the
- * distances between unit rays, which have no pole where a point is 90 degrees off the
- * axis, and tell a point behind the camera from one in front. */
+ * distances between unit rays. They have no pole where a point is 90 degrees off the axis,
+ * and they differ for a point in front of the camera and one behind it. */
 int bench_starts(test_fitted starts[BENCH_STARTS_MAX], const bench_scene *s);
 
 #endif /* BENCH_STARTS_H */

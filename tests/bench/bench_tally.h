@@ -25,7 +25,7 @@ static inline void tally_sum(tally *sum, const tally *t)
     }
 }
 
-/* All that was not OK, caveats too. */
+/* Prints all statuses except OK, caveats too. */
 static inline void tally_print(const tally *t)
 {
     const char *between = "";

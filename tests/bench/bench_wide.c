@@ -19,7 +19,7 @@
 
 enum { SCENES = 100000, SCENES_MAX = 10000000 };
 
-/* Of each lens, shape and number of points. */
+/* scenes for each lens, shape and number of points */
 enum { SCENES_CHECKED = 100 };
 
 #define SIGMA_PX 0.5
@@ -27,7 +27,7 @@ enum { SCENES_CHECKED = 100 };
 #define FARTHEST_OFF (89 * BENCH_DEGREE)
 #define FARTHEST_OFF_FISHEYE (110 * BENCH_DEGREE)
 
-/* A flat target is at least so far from edge-on: sine of 15 degrees. */
+/* A flat target is at least this far from edge-on: the sine of 15 degrees. */
 #define EDGE_ON 0.26
 
 /* A pose farther from its minimum than this part of the minimum's Cramer-Rao bound is
@@ -43,7 +43,7 @@ enum { COUNTS = sizeof counts / sizeof counts[0] };
 static const char *const lens_names[LENSES] = {"pinhole", "Brown", "rational", "fisheye"};
 static const char *const shape_names[SHAPES] = {"around", "general", "planar", "square"};
 
-/* Unity, which the tests' arithmetic is checked with, wants them. */
+/* Unity needs these: the arithmetic of the tests uses its checks. */
 void setUp(void)
 {
 }
@@ -54,7 +54,7 @@ void tearDown(void)
 
 /* ---- scenes -------------------------------------------------------------- */
 
-/* Every one of these lenses is one to one as far as the points may be. */
+/* Each of these lenses is one to one over the range of the points. */
 static rigcal_camera camera_of(lens what, test_rng *rng)
 {
     const double f = exp(test_uniform(rng, log(30), log(800)));
@@ -88,7 +88,7 @@ static double farthest_of(lens what)
     return what == FISHEYE ? FARTHEST_OFF_FISHEYE : FARTHEST_OFF;
 }
 
-/* A point of the camera frame, `far` away, anywhere in the ring of angles. */
+/* A point in the camera's frame, `far` away, anywhere in the ring of angles. */
 static void place_in_ring(double X_c[3], lens what, double far, test_rng *rng)
 {
     const double off = test_uniform(rng, NEAREST_OFF, farthest_of(what));
@@ -99,7 +99,8 @@ static void place_in_ring(double X_c[3], lens what, double far, test_rng *rng)
     X_c[2] = far * cos(off);
 }
 
-/* Points all round the camera, each 1 to 3 away, the world's origin near the camera. */
+/* Points all round the camera, each 1 to 3 away. The origin of the world is near the
+ * camera. */
 static void place_around(double X[][3], bench_scene *s, lens what)
 {
     double back[9];
@@ -119,7 +120,8 @@ static void place_around(double X[][3], bench_scene *s, lens what)
     }
 }
 
-/* A target of size 1, its middle 0.4 to 6 away. 0: a flat one is seen edge-on. */
+/* A target of size 1, its middle 0.4 to 6 away. Returns 0 if a flat target is seen
+ * edge-on. */
 static int place_target(double X[][3], bench_scene *s, lens what, shape form)
 {
     const double far = exp(test_uniform(&s->rng, log(0.4), log(6)));
@@ -141,7 +143,7 @@ static int place_target(double X[][3], bench_scene *s, lens what, shape form)
     return form == GENERAL || fabs(test_dot(normal, s->t)) >= EDGE_ON * far;
 }
 
-/* Whether all points are in the ring, and their pixels, with noise, have a ray. */
+/* Whether all points are in the ring, and all their noisy pixels have a ray. */
 static int see_points(bench_scene *s, double X[][3], lens what)
 {
     for (int i = 0; i < s->n; i++) {
@@ -193,12 +195,12 @@ static void scene_make(bench_scene *s, lens what, shape form, int n, long index)
 typedef struct {
     tally statuses;
     long scenes, solved, not_best, not_converged;
-    long wrong_yet_ok, missed_yet_ok; /* missed: not the least minimum either */
+    long wrong_yet_ok, missed_yet_ok; /* missed: also not the least minimum */
     double evals;
     int evals_most;
 } cell;
 
-/* Whether the first pose is as good as at minimum i. */
+/* Whether the first pose is as good as minimum i. */
 static int is_converged(const bench_minima *m, int i, const double R[9], const double t[3])
 {
     bench_scene at = *m->scene;
@@ -216,7 +218,7 @@ static int is_converged(const bench_minima *m, int i, const double R[9], const d
     return sum <= CONVERGED * CONVERGED;
 }
 
-/* 0: something is wrong with it. */
+/* Returns 0 if something is wrong with it. */
 static int judge(cell *c, const bench_solution *found, bench_minima *m)
 {
     double R[9], t[3];
@@ -335,10 +337,11 @@ static void bench_table(long scenes_of_lens, int list)
 
 /* ---- check --------------------------------------------------------------- */
 
-/* What may go wrong of the scenes of a lens that are checked, the same ones each time.
- * Never: OK, and not the least minimum. Wrong, yet OK: in two scenes the noise makes
- * another minimum the least, with a sum a twelfth of that at the truth's minimum. In
- * float, and with Brown's polynomial, the search of some scenes spends its evaluations. */
+/* How many scenes of a lens may go wrong; the scenes that are checked are always the same.
+ * Never allowed: OK with a pose that is not in the least minimum. Allowed: in two scenes
+ * the noise makes another minimum the least, whose sum is a twelfth of that at the truth's
+ * minimum. In float, and with Brown's polynomial, the search of some scenes uses up its
+ * evaluations. */
 typedef struct {
     long not_best, not_converged, wrong_yet_ok, missed_yet_ok, not_solved;
 } limits;
@@ -347,7 +350,7 @@ static const limits limits_double[LENSES] = {[RATIONAL] = {0, 0, 2, 0, 0}};
 static const limits limits_float[LENSES] = {
     [BROWN] = {1, 6, 0, 0, 1}, [RATIONAL] = {0, 0, 2, 0, 0}};
 
-/* 0: more than the limit. */
+/* Returns 0 if there are more than the limit. */
 static int is_within(const char *what, const char *count, long number, long limit)
 {
     printf("%s: %ld %s, at most %ld\n", what, number, count, limit);

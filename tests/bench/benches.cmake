@@ -1,8 +1,8 @@
 # The benches, of which ctest runs a short form. Included by tests/CMakeLists.txt, whose
 # folders and variables hold.
 
-# The figures of BENCHMARKS.md. It prints how it was built, so that they can be
-# had again; ctest only sees that it runs.
+# The figures of BENCHMARKS.md. The program prints how it was built, so that the figures can
+# be made again. ctest only checks that it runs.
 string(TOUPPER "${CMAKE_BUILD_TYPE}" build_type)
 get_directory_property(build_options COMPILE_OPTIONS)
 set(build ${CMAKE_C_COMPILER_ID} ${CMAKE_C_COMPILER_VERSION} ${CMAKE_C_FLAGS}
@@ -12,7 +12,7 @@ if(gnu_like)
 endif()
 string(REGEX REPLACE "[; ]+" " " build "${build}")
 
-# bench(NAME LIBRARY ARGUMENTS...): bench/NAME.c, which ctest runs with these arguments.
+# bench(NAME LIBRARY ARGUMENTS...): bench/NAME.c, run by ctest with these arguments.
 function(bench name library)
     add_executable(${name} bench/${name}.c)
     rigcal_own_code(${name})
@@ -40,7 +40,7 @@ target_link_libraries(bench_paper PRIVATE rigcal_test_support)
 add_test(NAME bench_paper COMMAND bench_paper grid 5)
 set_tests_properties(bench_paper PROPERTIES LABELS bench TIMEOUT ${limit})
 
-# Scenes and what is right about them; bench/opencv.sh links them too.
+# Scenes, and what the right answers are. bench/opencv.sh links them too.
 add_library(rigcal_bench_support STATIC
     bench/bench_scenes.c bench/bench_starts.c bench/bench_minima.c
     bench/bench_solution.c)
@@ -58,24 +58,24 @@ endif()
 
 bench(bench_wide rigcal_bench_support check 100)
 
-# What a solve costs: that its scenes are solved.
+# What a solve costs. ctest checks that its scenes are solved.
 bench(bench_cost rigcal_bench_support check)
 
-# How that grows with the points.
+# How the cost grows with the number of points.
 bench(bench_growth rigcal_bench_support check)
 
 bench(bench_choose rigcal_test_support 1)
 
-# Which views of a rig are named.
+# Which views of a rig are named as wrong.
 bench(bench_judge rigcal_test_support 1)
 
-# Whether points keep what their sigmas promise.
+# Whether points are as accurate as their sigmas say.
 bench(bench_points rigcal_test_support check)
 
-# How often the alarm of a monitor is false.
+# How often a monitor raises a false alarm.
 bench(bench_alarm rigcal_test_support check)
 
-# How many true matches a band holds; spans against every pixel.
+# How many true matches a band holds. Compares spans with every pixel.
 add_executable(bench_match bench/bench_match.c)
 rigcal_own_code(bench_match)
 target_link_libraries(bench_match PRIVATE rigcal_test_support)
@@ -86,7 +86,7 @@ foreach(what "bands 20" "spans 12")
     set_tests_properties(bench_match_${name} PROPERTIES LABELS bench TIMEOUT ${limit})
 endforeach()
 
-# Real matches in their bands.
+# Whether real matches are in their bands.
 add_executable(bench_bands
     bench/bench_bands.c ${examples}/cli_input.c ${examples}/cli_names.c
     ${examples}/cli_csv.c ${examples}/cli_foreign.c ${examples}/cli_os.c)
@@ -100,13 +100,13 @@ add_test(NAME bench_bands COMMAND bench_bands ${examples}/data/opencv_stereo
     ${examples}/data/myptv_stepped ${examples}/data/openptv_cavity)
 set_tests_properties(bench_bands PROPERTIES LABELS bench TIMEOUT ${limit})
 
-# How well a monitor knows how well it knows, and whom it blames.
+# Whether the covariances of a monitor are right, and which body it blames.
 bench(bench_monitor rigcal_test_support check)
 
-# Whether ellipsoids hold, with intrinsics that are not exact.
+# Whether ellipsoids hold the truth if intrinsics are not exact.
 bench(bench_consider rigcal_test_support check)
 
-# What is wrong with a rig as a whole.
+# Which fault of a rig as a whole is named.
 bench(bench_faults rigcal_test_support check)
 
 # Rigs whose cameras have clocks of their own.
@@ -124,7 +124,7 @@ if(RIGCAL_REAL STREQUAL "double")
         LABELS bench TIMEOUT ${limit})
 endif()
 
-# Beside OpenCV; bench/opencv.sh asks for it.
+# Comparison with OpenCV; bench/opencv.sh switches it on.
 option(RIGCAL_BENCH_OPENCV "Build bench_opencv, which wants OpenCV" OFF)
 if(RIGCAL_BENCH_OPENCV)
     enable_language(CXX)
@@ -141,7 +141,7 @@ endif()
 bench(bench_robust rigcal_bench_support wrong 10)
 bench(bench_beside rigcal_bench_support 20 50 near 10)
 
-# Adjusted rigs; bench/rig.sh links the first with Ceres, too.
+# Adjusted rigs; bench/rig.sh links the first bench with Ceres, too.
 add_library(rigcal_bench_rigs STATIC bench/bench_rigs.c)
 rigcal_own_code(rigcal_bench_rigs)
 target_include_directories(rigcal_bench_rigs PUBLIC bench)
@@ -170,7 +170,7 @@ if(RIGCAL_BENCH_CERES)
     target_link_libraries(bench_ceres PRIVATE rigcal_bench_rigs Ceres::ceres)
 endif()
 
-# All of them, for bench/run.sh.
+# All benches, for bench/run.sh.
 get_directory_property(targets BUILDSYSTEM_TARGETS)
 list(FILTER targets INCLUDE REGEX "^bench_")
 add_custom_target(benches DEPENDS ${targets})

@@ -27,7 +27,7 @@ TARGETS = [("tag", 4), ("planar", 4), ("planar", 8), ("planar", 50), ("near-plan
 
 
 def enter_environment() -> None:
-    """Runs this script again by the environment's Python, which it makes first."""
+    """Runs this script again with the environment's Python, which it makes first."""
     python = VENV / "bin/python"
     if pathlib.Path(sys.prefix) == VENV:
         return
@@ -58,7 +58,7 @@ def scene_of(rng, family, n):
         tilt, about, roll = rng.uniform(0, np.pi / 3), rng.uniform(0, 2 * np.pi), rng.uniform(0, 2 * np.pi)
         q = product([np.cos(roll / 2), 0, 0, np.sin(roll / 2)],
                     product([np.cos(tilt / 2), np.cos(about) * np.sin(tilt / 2), np.sin(about) * np.sin(tilt / 2), 0],
-                            [0, 1, 0, 0]))  # its front towards the camera
+                            [0, 1, 0, 0]))  # turns its front towards the camera
     depth = np.exp(rng.uniform(np.log(3), np.log(30)))
     t = depth * np.array([*rng.uniform(-.3, .3, 2), 1])
     X_c = X @ matrix(q).T + t

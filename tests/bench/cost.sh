@@ -26,7 +26,7 @@ if ! { cmake -S . -B "$build" -DCMAKE_C_COMPILER=gcc \
     exit 1
 fi
 
-# Of a column, and "warm" or nothing.
+# Thousands of instructions of a column; the second argument is "warm" or empty.
 thousands_of() {
     valgrind --tool=callgrind --toggle-collect=rigcal_pose_solve \
         --callgrind-out-file="$build/callgrind.out" \

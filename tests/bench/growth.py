@@ -39,7 +39,7 @@ def run(*command):
 
 
 def count(lens, n, way):
-    """Instructions of one solve, in the mean."""
+    """Mean instructions of one solve."""
     solves = max(4, min(64, 6400 // n))
     counts = BUILD / "callgrind.out"
     solver = "rigcal_robust_solve" if way == "robust" else "rigcal_pose_solve"
@@ -51,7 +51,8 @@ def count(lens, n, way):
 
 
 def slope(line):
-    """Of log instructions by log points, least squares, from 100 points on."""
+    """The slope of log instructions against log points, by least squares, from 100 points
+    on."""
     xy = [(math.log(n), math.log(y)) for n, y in line if n >= 100]
     mx, my = (sum(c) / len(xy) for c in zip(*xy))
     return sum((x - mx) * (y - my) for x, y in xy) / sum((x - mx) ** 2 for x, _ in xy)

@@ -11,8 +11,8 @@ cd "$(dirname "$0")/../.."
 build=build/hooks
 mkdir -p $build
 
-# A float image for the board of tests/bench/bench_hooks.c, run there: $1 its name,
-# then what is compiled besides.
+# Builds a float image for the board of tests/bench/bench_hooks.c and runs it. $1 is its
+# name; the rest is compiled with it.
 emulate() {
     name=$1
     shift
@@ -51,7 +51,7 @@ $1 == "of" {
         if (d < 0) d = -d
         if (d > worst) worst = d
     }
-    # Sorted as they come.
+    # sorts the errors as they come
     for (i = turn; i > 1 && error[file " " job " " (i - 1)] > worst; i--) {
         error[file " " job " " i] = error[file " " job " " (i - 1)]
     }

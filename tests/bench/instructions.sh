@@ -34,7 +34,7 @@ if ! { cmake -S . -B "$build" -DCMAKE_C_COMPILER=gcc \
     exit 1
 fi
 
-# A line: what the table calls it, then the arguments of bench_pose solve.
+# A line of the table: its name, then the arguments of bench_pose solve.
 row() {
     name=$1
     shift
@@ -49,7 +49,7 @@ row() {
     echo "| $name | $2 | $((total / count)) |"
 }
 
-# Instructions of a function in bench_faults cost; the evaluations go to cost.txt.
+# Instructions of a function in bench_faults cost. The evaluations are written to cost.txt.
 instructions_of() {
     valgrind --tool=callgrind --toggle-collect="$1" \
         --callgrind-out-file="$build/callgrind.out" \

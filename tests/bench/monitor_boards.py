@@ -83,7 +83,7 @@ class Monitor:
             raise RuntimeError(f"status {status}")
 
     def frame(self, left, right):
-        """One frame of rays; whether there is an alarm, which is dismissed."""
+        """Takes one frame of rays. Returns whether it alarms; the alarm is dismissed."""
         for a, b in zip(left, right):
             self.check(self.library.rigcal_monitor_match_rays(
                 self.monitor, C.c_size_t(0), (self.real * 3)(*a), C.c_size_t(1), (self.real * 3)(*b),
@@ -96,7 +96,7 @@ class Monitor:
 
 
 def calibrate(folder):
-    """rig.bin by every second board, and the rays of the corners of the others."""
+    """rig.bin from every second board, and the rays of the corners of the other boards."""
     rows = read(os.path.join(STEREO, "observations.csv"))
     boards = sorted({r["frame"] for r in rows})
     taken = boards[::2]

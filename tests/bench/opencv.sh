@@ -23,7 +23,7 @@ want libopencv-calib3d-dev test -e /usr/include/opencv4/opencv2/calib3d.hpp
 install_missing >&2
 sh tests/support/get_unity.sh \
     "${XDG_CACHE_HOME:-${HOME:-/nowhere}/.cache}/rigcal/unity-2.5.1" \
-    >/dev/null 2>&1 || true # else CMake clones it
+    >/dev/null 2>&1 || true # otherwise CMake clones it
 mkdir -p build
 drop_moved_build "$build"
 if ! { cmake -S . -B "$build" -DCMAKE_C_COMPILER=gcc -DCMAKE_CXX_COMPILER=g++ \
@@ -50,14 +50,14 @@ count() {
     echo "$((total / solves / 1000)) / $(cat "$build/solve.txt")"
 }
 
-# One cell, empty where the method is not defined.
+# One cell of the table; empty if the method is not defined.
 cell() {
     if "$bench" methods "$1" "$2" | grep -qxF "$3"; then
         count "$1" "$2" "$3"
     fi
 }
 
-# A line for each method that there is for a tag, which is all of them.
+# A line for each method that is defined for a tag: these are all methods.
 counts() {
     "$bench" methods tag 4 | while read -r method; do
         line="| $method |"

@@ -42,7 +42,7 @@ def cells_of(line: str) -> list[str]:
 
 
 def table(name: str) -> list[dict[str, str]]:
-    """The lines of a table of BENCHMARKS.md, by its columns."""
+    """The lines of a table of BENCHMARKS.md, as dictionaries by column."""
     _, mark = tables.mark_named(name)
     lines = [cells_of(line) for line in mark["body"].splitlines() if line.startswith("|")]
     return [dict(zip(lines[0], line)) for line in lines[2:]]

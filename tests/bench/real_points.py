@@ -49,7 +49,7 @@ def covariance(row):
 
 
 def calibrate(binary, folder, out):
-    """sqrt(F); 0: there is no loop closure."""
+    """sqrt(F); 0: the rig has no loop closure."""
     run = subprocess.run([binary, "calibrate", "--cameras", folder / "cameras.csv",
                           "--observations", folder / "observations.csv", "--out", out],
                          capture_output=True, text=True)
@@ -67,8 +67,9 @@ def triangulate(binary, folder, out, observations):
 
 
 def compare(rows, reference):
-    """Points in both; rms; that of the reference; mean squared error over 3, median over that of
-    chi square; points with a view left out."""
+    """Compares the points that are in both. Returns: their number; rms; rms of the
+    reference; mean squared error over 3; its median over the median of chi square; number
+    of points with a view left out."""
     squares, known, over = [], [], []
     for row in reference:
         found = rows.get((row["frame"], row["point"]))

@@ -30,7 +30,7 @@ from scipy.optimize import least_squares
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 SETS = ["examples/data/opencv_stereo", "examples/data/myptv_stepped",
         "examples/data/openptv_cavity", "tests/data/pose2sim_scene"]
-# Degrees; part of the camera's distance from the target; part of the rms.
+# Limits: degrees; part of the camera's distance from the target; part of the rms.
 TARGETS = {"double": (1e-4, 1e-5, 1e-5), "float": (2e-3, 5e-5, 1e-3)}
 DISTURB = 0.01  # radian, and part of the distance
 COEFFICIENTS = ["k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6"]
@@ -99,7 +99,8 @@ class Camera:
 
 
 class Set:
-    """A folder, and the views that rigcal took of it: those with a pose of their own."""
+    """A folder, and those of its views that rigcal used: the views that have a pose by
+    themselves."""
 
     def __init__(self, folder):
         self.folder, self.name = folder, folder.resolve().name
@@ -141,7 +142,7 @@ class Set:
 
 
 def adjust(data):
-    """Cameras and sum of squares by SciPy."""
+    """The cameras and the sum of squares by SciPy."""
     cams, places = data.compose()
     if len(cams) < len(data.used):
         raise ValueError("its cameras are not connected")
@@ -165,7 +166,7 @@ def adjust(data):
         return np.concatenate(parts)
 
     x = rng.uniform(-DISTURB, DISTURB, scale.size)
-    for _ in range(3):  # again from where it stopped: its own end is a little early
+    for _ in range(3):  # starts again where it stopped, because it ends a little early
         found = least_squares(residuals, x, jac="3-point", method="trf", x_scale="jac",
                               ftol=1e-15, xtol=1e-15, gtol=1e-15)
         x = found.x
@@ -173,7 +174,7 @@ def adjust(data):
 
 
 def calibrate(program, data):
-    """The cameras, poses of views with their sums, and the sum over the rig."""
+    """The cameras, the poses of the views with their sums, and the sum over the rig."""
     with tempfile.TemporaryDirectory() as out:
         run = subprocess.run([program, "calibrate", "--cameras", data.folder / "cameras.csv",
                               "--observations", data.folder / "observations.csv", "--out", out],
@@ -193,7 +194,8 @@ def calibrate(program, data):
 
 
 def differences(data, cams, others):
-    """Largest of all cameras: degrees, and centres as a part of the distance."""
+    """The largest differences of all cameras: degrees, and centres in parts of the
+    distance."""
     distances = {}
     for (_, camera), (_, t) in data.own.items():
         distances.setdefault(camera, []).append(np.linalg.norm(t))
@@ -215,7 +217,7 @@ def evaluations(program, data):
 
 
 def judge(data, builds, with_reference):
-    """Rows of the two tables, and whether a target is missed."""
+    """The rows of the two tables, and whether a target is missed."""
     rows, is_missed, scipy_cams = [], False, None
     for real, program in builds.items():
         rig, own, own_sum, rig_sum, n, said = calibrate(program, data)

@@ -12,7 +12,7 @@
 # The rigs are those of bench_rigs.h: cameras x placements x points. Nothing is printed of a
 # rig unless all sums of squares agree to 1e-8, the cameras' poses to 0.01 of their standard
 # deviations and Ceres's covariances to 1e-4. Every method's line is in build/rig/all_*.txt,
-# those of SciPy that do not end there are told on stderr.
+# those of SciPy that do not end there are named on stderr.
 set -eu
 cd "$(dirname "$0")/../.."
 . tests/support/packages.sh
@@ -41,7 +41,7 @@ fi
 install_missing >&2
 sh tests/support/get_unity.sh \
     "${XDG_CACHE_HOME:-${HOME:-/nowhere}/.cache}/rigcal/unity-2.5.1" \
-    >/dev/null 2>&1 || true # else CMake clones it
+    >/dev/null 2>&1 || true # otherwise CMake clones it
 mkdir -p build
 drop_moved_build "$build"
 if ! { cmake -S . -B "$build" -DCMAKE_C_COMPILER=gcc -DCMAKE_CXX_COMPILER=g++ \
@@ -67,7 +67,7 @@ if [ "$what" = check ]; then
     exit 0
 fi
 
-# Instructions of one method.
+# The instructions of one method.
 count() {
     # shellcheck disable=SC2086 -- three numbers
     valgrind --tool=callgrind --toggle-collect=bench_call \

@@ -28,7 +28,7 @@ BUILD = ROOT / "build/instructions"
 PICTURE = ROOT / "tests/bench/figures/rig_growth.png"
 LINEAR = 1.2
 
-# What varies, and the rigs: cameras, placements, points.
+# The number that varies, and the rigs: cameras, placements, points.
 ADJUSTED = {
     "cameras": [(C, 20, 20) for C in (2, 3, 4, 6, 8, 12, 16)],
     "placements": [(4, F, 20) for F in (5, 10, 20, 50, 100)],
@@ -54,7 +54,7 @@ def build():
 
 
 def count(what, rig):
-    """Instructions, and evaluations of each view."""
+    """The instructions, and the evaluations of each view."""
     counts = BUILD / "callgrind.out"
     printed = run("valgrind", "--tool=callgrind", f"--toggle-collect=bench_{what}",
                   f"--callgrind-out-file={counts}", BUILD / "tests/bench_rig", what, *rig)
@@ -72,7 +72,7 @@ def print_table(name, rows, is_join=False):
 
 
 def plain(axis, ticks=None):
-    """Numbers as they are, not powers of ten; at 1, 2 and 5, or at `ticks`."""
+    """Writes numbers in full, not as powers of ten; at 1, 2 and 5, or at `ticks`."""
     if ticks:
         axis.set_major_locator(FixedLocator(ticks))
     else:
@@ -82,7 +82,8 @@ def plain(axis, ticks=None):
 
 
 def draw_panel(axes, x, rows, parts, colour):
-    """Millions in all and an evaluation; below, an evaluation and part (point or view)."""
+    """Above: millions of instructions in all and for each evaluation. Below: for each
+    evaluation and part, which is a point or a view."""
     top, below = axes
     once = [total / evaluations for _, total, evaluations in rows]
     top.loglog(x, [total / 1e6 for _, total, _ in rows], "o", color=colour, mfc="none",
@@ -95,12 +96,13 @@ def draw_panel(axes, x, rows, parts, colour):
     below.set_ylim(0, 1.2 * max(each))
     for panel in axes:
         plain(panel.xaxis, x)
+        panel.tick_params(axis="x", labelsize=7.5)
     plain(top.yaxis)
 
 
 def draw(adjusted, joined):
     plt.rcParams.update({
-        "font.family": "DejaVu Sans", "font.size": 9, "axes.titlesize": 9, "axes.grid": True,
+        "font.family": "DejaVu Sans", "font.size": 9, "axes.titlesize": 8.5, "axes.grid": True,
         "grid.color": "#dddddd", "grid.linewidth": 0.6, "axes.axisbelow": True,
         "lines.linewidth": 1.6, "lines.markersize": 4, "legend.fontsize": 8})
     figure, axes = plt.subplots(2, 4, figsize=(9.3, 5.2), sharex="col",
@@ -118,12 +120,12 @@ def draw(adjusted, joined):
     axes[1, 0].set_ylabel("instructions a point\nand evaluation")
     axes[1, 3].set_ylabel("instructions a view\nand evaluation")
     figure.align_ylabels(axes[:, 0])
-    figure.tight_layout(rect=(0, 0.05, 1, 1))
+    figure.tight_layout(rect=(0, 0.05, 1, 1), w_pad=0.3)
     figure.legend(*axes[0, 0].get_legend_handles_labels(), loc="lower center", ncol=3)
     PICTURE.parent.mkdir(exist_ok=True)
     pixels = io.BytesIO()
     figure.savefig(pixels, format="png", dpi=180)
-    # 64 colours are enough, and half the bytes.
+    # 64 colours are enough, and halve the bytes.
     Image.open(pixels).convert("RGB").quantize(
         64, method=Image.MEDIANCUT, dither=Image.NONE).save(PICTURE, optimize=True)
 

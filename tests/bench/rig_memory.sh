@@ -13,7 +13,8 @@ build=build/rig_memory
 placements=20
 mkdir -p "$build"
 
-# The sizes of one precision: lines "WHAT CAMERAS BYTES"; what is given besides are options.
+# The sizes of one precision: lines "WHAT CAMERAS BYTES". Further arguments are options of
+# the compiler.
 sizes() {
     cat >"$build/sizes.c" <<END
 #include "rigcal.h"
@@ -33,7 +34,7 @@ END
         sed -n 's/^[0-9]* 0*\([0-9]*\) [A-Za-z] \([a-z]*\)_\([0-9]*\)$/\2 \3 \1/p'
 }
 
-# A table's rows; $2: "CAMERAS:BYTES" of limits, or none.
+# The rows of a table. $2 has the limits, "CAMERAS:BYTES", or is empty.
 rows() {
     awk -v build="$1" -v placements="$placements" -v limits="$2" '
     {

@@ -13,9 +13,9 @@ import numpy as np
 from scipy.optimize import least_squares
 from scipy.sparse import lil_matrix
 
-SAME_SUM, SAME_POSE = 1e-8, 1e-2  # relative; in standard deviations
+SAME_SUM, SAME_POSE = 1e-8, 1e-2  # a part; standard deviations
 NOISE_PX = 0.3
-ENOUGH = 1e-10  # rigcal's own: part of the sum that may be left
+ENOUGH = 1e-10  # as in rigcal: part of the sum that may be left
 STEPS_MOST = 30
 RUNS = 3
 
@@ -80,7 +80,7 @@ class Rig:
         return pattern
 
     def off_by(self, x):
-        """The most that a camera's pose is off rigcal's, in standard deviations."""
+        """The largest difference of a camera from rigcal's, in standard deviations."""
         poses = x.reshape(-1, 6)[:self.C - 1]
         turn = vectors(matrices(poses[:, :3]) @ self.R[1:self.C].transpose(0, 2, 1))
         off = np.hstack([turn, poses[:, 3:] - self.t[1:self.C]])

@@ -5,7 +5,8 @@ BENCHMARKS.md.
     python3 tests/bench/robust_poselib.py [COUNT] [PROGRAM]      1000 scenes a line, gcc-double
 
 It makes the environment of beside_poselib.py, with PyPI's poselib. Each line is run by both at once, one after the other; times are
-of one processor. PoseLib: estimate_absolute_pose, its defaults but for 3 px.
+of one processor. PoseLib: estimate_absolute_pose with its defaults, except a threshold of 3
+px.
 """
 import math
 import pathlib

@@ -22,7 +22,7 @@ import numpy as np
 
 SIGMA_PX = 0.3
 RATIO_MAX = 3.0
-# Bytes that the program takes whatever it reads: its code, libc, its buffers.
+# Bytes that the program takes for any input: its code, libc, its buffers.
 BASE_BYTES = 4e6
 
 
@@ -45,7 +45,7 @@ def random_rotation(rng):
 
 
 def project(camera, X):
-    """Brown's lens; X in the axes of the camera."""
+    """Pixels by Brown's lens. X is in the axes of the camera."""
     x, y = X[:, 0] / X[:, 2], X[:, 1] / X[:, 2]
     r2 = x * x + y * y
     radial = 1 + r2 * (camera["k1"] + r2 * camera["k2"])
@@ -92,7 +92,8 @@ def write_files(folder, rng, cameras, poses, placements, target):
 
 def run(program, folder):
     """The time of the processor [s] and the largest resident memory [bytes]. /usr/bin/time
-    starts it: what Python starts counts Python's own memory as well."""
+    starts the program, because the memory of a program that Python starts includes Python's
+    own."""
     with open(folder / "summary.txt", "w") as out:
         status = subprocess.run(
             ["/usr/bin/time", "-f", "%U %M", "-o", folder / "used.txt",

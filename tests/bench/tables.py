@@ -46,7 +46,7 @@ class Failed(Exception):
 
 
 def output_of(command: str, printed: dict[str, str]) -> str:
-    """What a command prints; one that several tables share runs once."""
+    """What a command prints. A command that several tables share runs once."""
     if command not in printed:
         words = shlex.split(command)
         if words[0] in ("sh", "python3"):
@@ -71,7 +71,7 @@ def table_of(command: str, number: int, printed: dict[str, str]) -> str:
 
 
 def by_gcc(command: str) -> bool:
-    """Not for emulated targets and other platforms, whose compiler is another one."""
+    """Not for emulated targets and other platforms, which have another compiler."""
     return "port/" not in command and "hooks.sh" not in command
 
 
@@ -93,7 +93,8 @@ def numbers_of(text: str) -> list[str]:
 
 
 def differences(expected: str, found: str, part: float) -> list[str]:
-    """Where two tables differ by more than a part of a figure, or a unit of its last digit."""
+    """The places where two tables differ by more than the given part of a figure, or more
+    than a unit of its last digit."""
     if NUMBER.sub("#", expected) != NUMBER.sub("#", found):
         return ["its words or lines differ"]
     wrong = []
@@ -127,7 +128,7 @@ def write(names: list[str]) -> int:
             print(failure, file=sys.stderr)
             failed = 1
             continue
-        document, mark = mark_named(name)  # it may have been edited meanwhile
+        document, mark = mark_named(name)  # the document may have been edited meanwhile
         text, (start, end) = mark.string, mark.span("body")
         document.write_text(f"{text[:start]}{table}\n*{made_by(mark['command'])}*\n{text[end:]}")
     subprocess.run([sys.executable, ROOT / "tests/bench/quoted.py"], check=True)

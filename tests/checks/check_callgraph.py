@@ -42,12 +42,12 @@ INDIRECT = {"rigcal_rig_covariance": ("considered_camera",),
             "check_next": GIVEN, "add_equations": GIVEN,
             "rc_views_step": GIVEN, "rc_rig_step": GIVEN}
 
-# No public function may need more; bytes, libm apart.
+# Bytes that a public function may need at most, without libm.
 STACK_LIMIT = 4096
 
-# Those that may, in double: which views contradict, and why, is asked once in a while, where
-# there is room. In one call they hold the solvers too. The first view of a monitor's target
-# is solved as a pose.
+# Functions that may need more, in double. Which views contradict, and why, is asked seldom,
+# where there is memory; in one call these functions hold the solvers too. The first view of
+# a monitor's target is solved as a pose.
 STACK_LIMITS = {"rigcal_rig_cause": 7168, "rigcal_camera_cause": 7168,
                 "rigcal_cause_step": 5120, "rigcal_rig_judge": 5632,
                 "rigcal_judge_step": 5120, "rigcal_monitor_view": 5120,
@@ -58,7 +58,7 @@ EDGE = re.compile(r'edge: \{ sourcename: "([^"]+)" targetname: "([^"]+)"')
 
 
 class Graph:
-    """Functions with the bytes of their frames, and who calls whom."""
+    """The functions with the bytes of their frames, and which functions they call."""
 
     def __init__(self, compiler, *flags):
         self.frame, self.dynamic, self.calls = {}, set(), {}
@@ -82,7 +82,7 @@ class Graph:
                 size = re.search(r"(\d+) bytes \(([^)]*)\)", node[2])
                 if size:
                     self.frame[node[1]] = int(size[1])
-                    # "dynamic,bounded": arguments are pushed, and counted.
+                    # "dynamic,bounded": arguments are pushed, and their bytes are counted.
                     if size[2] == "dynamic":
                         self.dynamic.add(node[1])
             edge = EDGE.match(line)
@@ -130,7 +130,7 @@ class Graph:
 
 
 def plain(title):
-    """A static function is titled path:name, a clone of it name.part.0."""
+    """The title of a static function is path:name. A clone of it is called name.part.0."""
     return title.split(":")[-1].split(".")[0]
 
 

@@ -1,5 +1,4 @@
-#!/bin/sh
-# cppcheck, once for double and once for float: when left to mix the two it
+#Runs cppcheck once for double and once for float. If it may mix both configurations, it
 # reports overruns that neither has.
 set -eu
 cd "$(dirname "$0")/../.."

@@ -7,7 +7,7 @@ cd "$(dirname "$0")/../.."
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
-# The headers of picolibc, or those of newlib where the compiler finds them.
+# The headers of picolibc, or those of newlib if the compiler finds them.
 specs=
 if arm-none-eabi-gcc --specs=picolibc.specs -E -x c /dev/null >/dev/null 2>&1
 then
@@ -22,8 +22,8 @@ for source in src/*.c; do
         -c "$source" -o "$work/$(basename "$source" .c).o"
 done
 
-# Everything a float build may want: libm's float functions, memcpy and memset
-# (under their Arm names too) and division of integers.
+# All that a float build may call: libm's float functions, memcpy and memset (under their
+# Arm names too) and division of integers.
 allowed='(rigcal_|rc_).*|(sqrt|sin|cos|atan2|exp|fabs)f|memcpy|memset'
 allowed="$allowed|__aeabi_(mem(cpy|set|clr)[48]?|u?l?div(mod)?|u?idiv(mod)?|lmul|ll[sa][lr]r?|[ui]l2f|f2u?lz)"
 

@@ -7,7 +7,8 @@ cd "$(dirname "$0")/../.."
 
 columns=$(sed -n 's/^ColumnLimit: //p' .clang-format)
 
-# What git keeps, or all files where this is no git tree. The vectors are a program's.
+# The files that git keeps, or all files if this is no git tree. The vectors are left out,
+# because a program writes them.
 list() {
     if git rev-parse --is-inside-work-tree >/dev/null 2>&1; then
         git ls-files
@@ -26,7 +27,7 @@ esac
 
 list | xargs clang-format --dry-run -Werror
 
-# A comment, or the end of one that stands behind code. "#error" is no comment.
+# A comment, or the end of one after code. "#error" is not a comment.
 long=$(list | xargs awk -v columns="$columns" '
     FNR == 1 {inside = 0}
     {

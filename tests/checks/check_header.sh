@@ -1,6 +1,5 @@
-#!/bin/sh
-# Each public header alone, as C99 and as C++11, by gcc and clang, double and
-# float; and the whole library with the template of port/ as its configuration.
+#Compiles each public header alone, as C99 and as C++11, by gcc and clang, in double and
+# float. Also compiles the whole library with the template of port/ as its configuration.
 set -eu
 cd "$(dirname "$0")/../.."
 

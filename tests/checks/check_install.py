@@ -24,7 +24,7 @@ STAND_INS = {
 }
 STAND_INS |= {name: f'echo "{name} $*" >>"$CALLS"; exit 1'
               for name in ("git", "curl", "wget", "apt", "pip", "pip3")}
-# What the first block must come down to, besides apt-get.
+# What the commands of the first block must do, besides apt-get.
 COMMANDS = [r"cmake -S \. -B (\S+)", r"cmake --build (\S+)", r"sudo cmake --install (\S+)"]
 
 

@@ -22,19 +22,19 @@ PUBLIC = {path.name for path in (ROOT / "include").glob("*.h")}
 SYSTEM = {"stddef.h", "stdint.h", "stdbool.h", "limits.h", "float.h", "string.h",
           "assert.h"}
 
-# A conditional may ask for these only: our own settings, C++ in a header, and
-# the compiler's modes that break the library.
+# The only names that a conditional may test: our own settings, C++ in a header, and the
+# compiler modes that break the library.
 OWN_MACRO = re.compile(r"RIGCAL_\w+|RC_\w+|defined|__cplusplus|__FAST_MATH__|_M_FP_FAST|"
                        r"__FINITE_MATH_ONLY__|__ASSOCIATIVE_MATH__|__RECIPROCAL_MATH__|"
                        r"__NO_SIGNED_ZEROS__|FLT_EVAL_METHOD|SIZE_MAX")
-# And one file for this: whether small functions are to have one body.
+# One more name, in this file only: it says whether small functions have one body.
 OWN_MACRO_OF = {"rc_real.h": {"__OPTIMIZE_SIZE__"}}
 
-# Files beside the layers. They may include what `real` may, and no layer.
+# Files beside the layers. They may include what `real` may include, and no layer.
 APART = ["about", "layout"]
 
-# The layer of each struct that a solver keeps, and the fields that other layers may use.
-# None: all of them, the struct is data.
+# For each struct of a solver: its layer, and the fields that other layers may use. None:
+# all fields, because the struct is data.
 SOLVERS = {
     "rigcal_points": ("points", None),
     "rigcal_vertex": ("neldermead", None),
@@ -90,7 +90,7 @@ def layer_order():
 
 
 def without_comments(text):
-    """Comments and the insides of strings blanked, lines kept."""
+    """The text with comments and the contents of strings blanked. It keeps its lines."""
     def blank(match):
         if match[0].startswith('"'):
             return match[0]
@@ -141,7 +141,8 @@ def offences(path, order):
 
 
 def hide(text, layer):
-    """The text of a header in which what is hidden from a layer has other names."""
+    """The text of a header in which the fields that are hidden from a layer have other
+    names."""
     def renamed(match):
         name, body = match[1], match[2]
         owner, shown = SOLVERS.get(name, (layer, None))
@@ -155,7 +156,7 @@ def hide(text, layer):
 
 
 def intrusions(work):
-    """What files use of the solvers of other layers."""
+    """The fields of other layers' solvers that each file uses."""
     for path in sorted((ROOT / "src").glob("*.c")):
         layer = path.stem[len("rigcal_"):]
         for header in PUBLIC:

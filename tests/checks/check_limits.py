@@ -14,12 +14,12 @@ import tempfile
 
 from check_layers import ROOT, without_comments
 
-FILE_LINES = 680  # of a file of src/
+FILE_LINES = 680  # lines of a file of src/
 FUNCTION_LINES = 60
 ARGUMENTS = 8
 HEADER_LINES = {"rigcal.h": 850}
 OTHER_HEADER_LINES = 400
-STRUCTS = 20  # that rigcal.h lays open
+STRUCTS = 20  # structs whose fields rigcal.h shows
 
 # "/* src/rigcal_pose.c:12:NF */ static int f (int, int); /* (...) ... */": C for a
 # declaration, F for a definition.
@@ -28,7 +28,7 @@ STRUCT = re.compile(r"\bstruct (\w+) \{")
 
 
 def arguments(text):
-    """How many a list of types in parentheses has."""
+    """The number of types in a list in parentheses."""
     depth, count = 0, 1
     for character in text:
         depth += (character in "([") - (character in ")]")
@@ -52,7 +52,7 @@ def functions(source):
 
 
 def lines_of(path, line):
-    """Lines of the function whose body is the first to open at or behind a line."""
+    """The lines of the function whose body opens first at or after a line."""
     lines = (ROOT / path).read_text().split("\n")
     end = lines.index("}", lines.index("{", line - 1))
     start = line - 1  # back to the first line of the definition

@@ -21,7 +21,7 @@ URL = "https://example.org/rigcal"
 ARDUINO_CATEGORIES = {
     "Display", "Communication", "Signal Input/Output", "Sensors", "Device Control",
     "Timing", "Data Storage", "Data Processing", "Other"}
-# The children of <package> that the schema knows, those it demands first.
+# The children of <package> that the schema has; the required ones first.
 PDSC_DEMANDED = ["name", "vendor", "description", "url", "releases"]
 PDSC_ALLOWED = set(PDSC_DEMANDED) | {
     "license", "licenseSets", "keywords", "taxonomy", "components", "conditions",
@@ -49,7 +49,7 @@ def headers():
 
 
 def fields(text, separator):
-    """Lines "name: value" or "name=value" of no nesting."""
+    """Reads lines "name: value" or "name=value" without nesting."""
     found = {}
     for line in text.splitlines():
         m = re.match(rf"(\w+)\s*{separator}\s*(.*?)\s*$", line)

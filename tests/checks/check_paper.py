@@ -8,7 +8,7 @@ kept; of the random placements, the first third are judged by fits. --all makes 
 
 The last bit of another math library may change the numbers: up to a hundredth of
 the guesses of a map, up to a fiftieth of a number. Then this checks that
-  - the tables agree with each other where two of them tell the same,
+  - the tables agree with each other where two of them have the same numbers,
   - every claim has the answer that is known, judged from the new numbers,
   - independent fits confirm the solver that needs no guess,
   - README and figures are made from the numbers kept.
@@ -28,7 +28,8 @@ SCENES = ROOT / "build/gcc-double/tests/bench_paper_scenes"
 RELATIVE, ROUNDING, CELLS, ATTEMPTS = 0.02, 5e-9, 0.01, 0.01
 PNG_BYTES_MAX = 150000
 
-# One depth or resolution in so many; tables of which it is so; placements of 1000.
+# The long tables make one depth or resolution in this many; which tables; the number of
+# placements out of 1000.
 EVERY, PLACEMENTS = 3, 333
 LONG = ("fig06_share", "fig09", "fig10", "fig11", "fig12", "fig13", "fig14",
         "fig14_unsettled", "over_bound")
@@ -42,11 +43,11 @@ def number(text):
 
 
 def same(column, old, new, row):
-    """Whether two fields of a CSV file tell the same."""
+    """Whether two fields of a CSV file say the same."""
     if old == new:
         return True
     if column == "outcomes_over_roll":
-        return len(old) == len(new)  # counted over the whole file
+        return len(old) == len(new)  # a number that is counted over the whole file
     if number(old) is None or number(new) is None:
         return False
     if column in ("correct", "false", "behind", "n", "lost", "missing") or \
@@ -58,8 +59,8 @@ def same(column, old, new, row):
 
 
 def fill(name, kept, made):
-    """Puts the kept rows of the depths and resolutions that were not made among those made,
-    and returns what is wrong with those made."""
+    """Adds the kept rows of the depths and resolutions that were not made to those that
+    were. Returns what is wrong with the rows that were made."""
     tables, heads = [], []
     for folder in (kept, made):
         with open(folder / f"{name}.csv", newline="") as file:
@@ -80,7 +81,7 @@ def fill(name, kept, made):
 
 
 def compare(name, kept, made):
-    """What differs, as a list of sentences."""
+    """The differences, as a list of sentences."""
     tables = []
     for folder in (kept, made):
         with open(folder / name, newline="") as file:
@@ -104,7 +105,7 @@ def compare(name, kept, made):
 
 
 def check_counts(wrong, data):
-    """The counts from the maps' guesses are those of the maps."""
+    """Checks that counts from the guesses of a map agree with the map."""
     maps = {("3", "0", "2"): ("fig03", {"camera": "1", "pairs_used": "2"}),
             ("8", "1", "2"): ("fig08", {"camera": "1", "pairs_used": "2"}),
             ("5", "0", "2"): ("fig05_map", {"method": "two_angles"}),
@@ -118,7 +119,7 @@ def check_counts(wrong, data):
         cells = "".join(line["outcomes_over_roll"] for line in
                         claims.pick(claims.read(data, name), **fields))
         if not cells:
-            continue  # figure 5 has no map of this error of yaw
+            continue  # there is no map for this error of yaw of figure 5
         compared += 1
         found = len(cells), cells.count("2"), cells.count("1")
         if found != tuple(int(row[k]) for k in ("tried", "correct", "false")):
@@ -129,8 +130,8 @@ def check_counts(wrong, data):
 
 
 def check_settling(wrong, data):
-    """Lines on camera 1: the true one holds the match, the others are as far from it
-    as the table tells."""
+    """Checks the lines on camera 1: the true line holds the match, and the other lines are
+    as far from it as the table says."""
     rows = claims.read(data, "fig14_settling")
     for row in rows:
         true, = claims.pick(rows, width_px=row["width_px"], point=row["point"],
@@ -144,7 +145,7 @@ def check_settling(wrong, data):
         worst = max(off(float(true["u1"]), float(true["v1"])),
                     off(float(true["u2"]), float(true["v2"])))
         where = f"{row['width_px']} px, point {row['point']}, {row['method']}"
-        if abs(worst - float(row["off_inch"])) > 3e-5:  # of numbers to 1e-5
+        if abs(worst - float(row["off_inch"])) > 3e-5:  # the numbers have five digits
             wrong.append(f"fig14_settling.csv: {where}: off by {worst:.5f} inch")
         if row["method"] == "true" and off(float(row["match_u"]),
                                            float(row["match_v"])) > 3e-5:
@@ -152,7 +153,7 @@ def check_settling(wrong, data):
 
 
 def check_kept(wrong):
-    """README and figures are those of the numbers kept."""
+    """Checks that README and the figures are those of the kept numbers."""
     readme = (PAPER / "README.md").read_text()
     if claims.with_tables(readme, PAPER / "data") != readme:
         wrong.append("README.md: its tables are not those of the data")

@@ -36,7 +36,7 @@ def run(*command, cwd=ROOT):
 
 
 def blocks_of(text):
-    """(language, content, line, text since the block before) of each block."""
+    """The blocks: (language, content, line, text since the block before)."""
     found, end = [], 0
     for m in BLOCK.finditer(text):
         found.append((m[1], m[2], text.count("\n", 0, m.start()) + 1, text[end:m.start()]))
@@ -94,7 +94,7 @@ def check_part(code, path, where):
 
 
 def check_document(name, work, shown):
-    """Counts what was compared; adds the programs shown to `shown`."""
+    """Returns the number of blocks compared. Adds programs that are shown to `shown`."""
     folder = (ROOT / name).parent
     blocks = blocks_of((ROOT / name).read_text())
     count = 0

@@ -1,5 +1,6 @@
 #!/bin/sh
-# A release is the same bytes wherever and whenever it is made, and its lists are right.
+# Checks that a release has the same bytes wherever and whenever it is made, and that its
+# lists are right.
 #
 #   sh tests/checks/check_release.sh FOLDER    works in FOLDER, which is made anew
 set -eu
@@ -9,7 +10,7 @@ mkdir -p "$1"
 out=$(cd "$1" && pwd)
 export SOURCE_DATE_EPOCH=1700000000
 
-# Copies of what a release is made of, in folders of names of different lengths.
+# Copies the files of a release into folders whose names have different lengths.
 for copy in here elsewhere/much/deeper; do
     mkdir -p "$out/$copy"
     cp -R CMakeLists.txt CMakePresets.json LICENSE README.md include src port examples "$out/$copy"

@@ -1,5 +1,4 @@
-#!/bin/sh
-# Every script is read by the shell: those too that CI does not run.
+#Lets the shell parse every script, also those that CI does not run.
 set -eu
 cd "$(dirname "$0")/../.."
 

@@ -46,7 +46,8 @@ def of_compiler(tool: str, command: list[str]) -> list[Finding]:
 
 
 def of_misra(path: str) -> list[Finding]:
-    work = ROOT / "build/static" / pathlib.Path(path).stem  # else its dumps lie beside the sources
+    work = ROOT / "build/static" / pathlib.Path(path).stem  # otherwise it writes its dumps
+                                                            # beside the sources
     work.mkdir(parents=True, exist_ok=True)
     text = run(["cppcheck", f"--cppcheck-build-dir={work}", "--quiet", "--std=c99", "--language=c",
                 "--addon=misra", "--suppress=missingIncludeSystem", "--template={file}:{line}: {id}",

@@ -13,7 +13,7 @@ import sys
 import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-# gcc joins a sine and a cosine of one angle into libm's sincos.
+# gcc replaces a sine and a cosine of one angle by libm's sincos.
 LIBM = {"sqrt", "sin", "cos", "atan2", "fabs", "sincos"}
 FLAGS = ["-std=c99", "-O2", "-fno-stack-protector", "-ffp-contract=off",
          "-fvisibility=hidden", "-DRIGCAL_BUILD", f"-I{ROOT}/include"]
@@ -37,7 +37,7 @@ def nm(path, *options):
 
 
 def declared(define):
-    """The functions of the headers with RIGCAL_API, and those without."""
+    """The functions that headers declare with RIGCAL_API, and those without it."""
     headers = [f for path in sorted((ROOT / "include").glob("*.h"))
                for f in ("-include", path)]
     text = run("gcc", "-E", "-P", *FLAGS, *define, "-DRIGCAL_API=RIGCAL_DECLARED", *headers,
@@ -55,7 +55,7 @@ def check(real, define, work):
         plain = work / (source.stem + ".o")
         pic = work / (source.stem + ".pic.o")
         run("gcc", *FLAGS, *define, "-fno-pic", "-fno-pie", "-c", source, "-o", plain)
-        # What is exported does not depend on the optimiser.
+        # The list of exported functions does not depend on the optimiser.
         run("gcc", *FLAGS, *define, "-DRIGCAL_SHARED", "-fPIC", "-O0", "-c", source, "-o", pic)
         shared.append(pic)
 

@@ -6,7 +6,7 @@ cd "$(dirname "$0")/../.."
 
 jobs=$(nproc 2>/dev/null || echo 2)
 
-# One process a file: xargs fails when one of them does.
+# One process for each file. xargs fails if one of them fails.
 tidy() {
     files=$1
     shift

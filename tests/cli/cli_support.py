@@ -32,7 +32,7 @@ MATRIX = [f"R{i}{j}" for i in "123" for j in "123"]
 
 
 def sound(run):
-    """The run, unless a sanitizer stopped it: its exit status would be 1 too."""
+    """The run, unless a sanitizer stopped it: its exit status would be 1 as well."""
     for word in ("Sanitizer", "runtime error"):
         if word in (run.stderr or ""):
             raise AssertionError(run.stderr)
@@ -64,7 +64,8 @@ def with_fault(fault, *arguments, ignored=()):
 
 FAULT_LIBRARY = []
 FLOAT = "float" in rigcal("--version").stdout
-ROUNDING = 1e-5 if FLOAT else 1e-10  # of a rotation's entries, relative else
+ROUNDING = 1e-5 if FLOAT else 1e-10  # absolute for entries of a rotation, otherwise
+                                     # relative
 
 
 def measured(text):
@@ -82,7 +83,7 @@ def read(path_or_text):
 
 
 def content(folder, name):
-    """Text; of bytes a character each."""
+    """The text of a file; of a binary file, one character for each byte."""
     encoding = "latin-1" if name.endswith(".bin") else None
     with open(os.path.join(folder, name), newline="", encoding=encoding) as file:
         return file.read()
@@ -164,12 +165,12 @@ class Camera:
         return self.f * self.distort(X_c[..., :2] / X_c[..., 2:]) + self.c
 
     def straight(self, X_c):
-        """Pixel without distortion."""
+        """The pixel without distortion."""
         X_c = np.asarray(X_c, float)
         return self.f * X_c[..., :2] / X_c[..., 2:] + self.c
 
     def ray(self, uv):
-        """(x, y, 1) of a pixel, by Newton with differences."""
+        """The ray (x, y, 1) of a pixel, by Newton's method with difference quotients."""
         goal = (np.asarray(uv, float) - self.c) / self.f
         xy = goal.copy()
         for _ in range(50):
@@ -218,7 +219,7 @@ class CliTest(unittest.TestCase):
         return run
 
     def files(self, folder=None):
-        """Names and contents of all there is in a folder, and in folders in it."""
+        """Names and contents of all files in a folder and its subfolders."""
         found = {}
         for place, folders, names in os.walk(folder or self.out):
             for name in folders:
@@ -234,7 +235,7 @@ class CliTest(unittest.TestCase):
 # ---- a rig made up ----------------------------------------------------------------
 
 def made_up(camera_rows, cams_from_world, targets, shared):
-    """Files of a rig without noise; shared: which cameras see which frame."""
+    """The files of a rig without noise. `shared` says which cameras see which frame."""
     rng = np.random.default_rng(7)
     X = np.round(rng.uniform(-1, 1, (12, 3)), 3)
     lines = ["frame,camera,point,X,Y,Z,u,v"]
@@ -277,7 +278,7 @@ def field(column, value):
 
 
 def again(number, before):
-    """Repeats a line as another line."""
+    """Adds a copy of a line in place of another line."""
     def apply(text):
         lines = text.split("\n")
         lines.insert(before - 1, lines[number - 1])

@@ -23,7 +23,7 @@ enum { VANISH = -1000 };
 
 static int calls;
 
-/* The function that would have been called. */
+/* Finds the function of the C library that would have been called. */
 #define REAL(result, name, ...) \
     result (*real)(__VA_ARGS__); \
     *(void **)&real = dlsym(RTLD_NEXT, #name)
@@ -37,7 +37,7 @@ static void vanish(void)
     real(folder, gone);
 }
 
-/* Whether this call must fail; errno is set then. */
+/* Whether this call must fail. Then errno is set. */
 static int strikes(const char *function)
 {
     const char *fault = getenv("FAULT");

@@ -17,7 +17,7 @@ FPS, BURSTS, BURST = 30, 8, 3
 
 
 class Path:
-    """A board in a hand: sines about a pose, 0.35 m/s and 0.8 rad/s."""
+    """A board held by hand: sines about a pose, with 0.35 m/s and 0.8 rad/s."""
 
     def __init__(self, rng):
         self.R = rotation(*rng.uniform(-0.4, 0.4, 3))
@@ -39,7 +39,8 @@ class Recorded(CliTest):
     """Four cameras, eight bursts of three frames of a board that moves, noise of 0.3 px."""
 
     def record(self, late=None, seed=3, moving=True, lines=None, bent=0.0):
-        """late: of each camera, by how many seconds it sees later than its stamps say."""
+        """late: for each camera, by how many seconds its pictures are later than their
+        stamps"""
         rng = np.random.default_rng(seed)
         late = late or {}
         self.cameras = {n: camera_row(n) for n in NAMES}
@@ -94,7 +95,7 @@ class Recorded(CliTest):
                              {"fits", "unchecked"})
 
     def off_by(self):
-        """The largest error of a camera [deg, mm]."""
+        """The largest errors of a camera [deg, mm]."""
         found = transforms(self.result("rig.csv"), "camera")
         return (max(angle_deg(found[n][0], POSES[n][0]) for n in NAMES),
                 max(1000 * np.linalg.norm(found[n][1] - POSES[n][1]) for n in NAMES))
@@ -279,7 +280,8 @@ class TestIntrinsics(Recorded):
 
 
 class TestEstimatedIntrinsics(Recorded):
-    """Cameras whose file is off by two of its deviations in f, and by one in the centre."""
+    """Cameras whose file is wrong by two standard deviations in f, and by one in the
+    centre."""
     SIGMAS = "0.003,0.001,3,0.01,0.03"
     ON = ["--intrinsics-sigma", SIGMAS, "--estimate-intrinsics"]
 
@@ -302,7 +304,7 @@ class TestEstimatedIntrinsics(Recorded):
         after = self.off_by()
         self.assertLess(after[1], 0.7 * before[1])
         self.assertIn("intrinsics estimated, with their deviations as a prior", run.stdout)
-        self.assertRegex(run.stdout, r"\n  b: moved f by 0\.\d+ \+- 0\.\d+ %.*; it could not tell .*k2\n")
+        self.assertRegex(run.stdout, r"\n  b: moved f by 0\.\d+ \+- 0\.\d+ %.*; it could not determine .*k2\n")
         found = {r["camera"]: r for r in read(self.result("cameras.csv"))}
         self.assertEqual(list(found), list(NAMES))
         left = [abs(float(found[n]["fx"]) / camera_row(n)["fx"] - 1) for n in NAMES]
@@ -340,7 +342,7 @@ class TestEstimatedIntrinsics(Recorded):
 
 
 class TestComplaints(Recorded):
-    """Every bad file or option is told, and what is wrong is named."""
+    """Every wrong file or option is reported, and the message names what is wrong."""
 
     def setUp(self):
         super().setUp()

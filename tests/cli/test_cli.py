@@ -3,7 +3,7 @@
 
 Runs the tests of this file, of every test_*.py beside it, and of every
 tests/regression/cli_*.py. RIGCAL_BIN and RIGCAL_ROOT: see cli_support.py.
--v tells measured figures.
+-v prints measured figures.
 """
 import glob
 import importlib.util
@@ -35,7 +35,7 @@ class TestCalibrateRealData(CliTest):
             angle = angle_deg(R, pair["left", "right"][0])
             length = np.linalg.norm(t - pair["left", "right"][1])
             measured(f"{name}: {angle:.3f} deg, {1000 * length:.3f} mm")
-            # stereoCalibrate ends at 1e-5 of its gradient, and starts with other sums.
+            # stereoCalibrate ends at 1e-5 of its gradient, and with other sums of squares
             self.assertLess(angle, 0.01 if FLOAT else 1e-4)
             self.assertLess(length, 2e-5 if FLOAT else 1e-6)
 
@@ -57,8 +57,8 @@ class TestCalibrateRealData(CliTest):
                 self.assertLess(part, part_limit)
                 self.assertLess(abs(rms), rms_limit)
 
-    # The reference is the optimum, so what is off is rounding, of its nine digits too, and
-    # where the refinement ends: below what any sum of squares shows.
+    # The reference is the optimum, printed with nine digits. The difference has two causes:
+    # rounding, and the place where the refinement ends. No sum of squares shows it.
     BEST = (0.01, 5e-5, 1e-3) if FLOAT else (1e-5, 2e-8, 1e-8)
 
     def test_poses_of_the_stereo_pair(self):
@@ -89,7 +89,7 @@ class TestCalibrateRealData(CliTest):
         self.check_poses(SCENE, 2, 0.03, 1, "--method", "paper")
 
     def check_sigma(self, folder, key):
-        """Of the least squares' normal equations, by differences."""
+        """The normal equations of the least squares, by difference quotients."""
         self.calibrate_well(folder)
         row = next(r for r in read(self.result("poses.csv"))
                    if (r["camera"], r["frame"]) == key)
@@ -152,7 +152,7 @@ class TestCalibrateRealData(CliTest):
 
     @unittest.skipIf(FLOAT, "README shows what the double build prints")
     def test_readme_shows_what_is_printed(self):
-        """Line by line and in this order; ... stands for lines left out."""
+        """Compares line by line, in this order. ... stands for lines left out."""
         shown = re.search(r"The first command prints this.*\n\n((?:    .*\n)+)",
                           content(ROOT, "README.md"))[1]
         printed = self.calibrate_well(STEREO).stdout.splitlines()
@@ -317,8 +317,8 @@ class TestCalibrateMadeUp(CliTest):
 
 
 class TestCaveats(CliTest):
-    """Two cameras, three placements of a plate; of one the left camera sees
-    four points close together."""
+    """Two cameras and three placements of a plate. In one of them the left camera sees four
+    points that are close together."""
 
     ROWS = {name: camera_row(name) for name in ("left", "right")}
     RIGHT = (rotation(0.05, -0.7, 0.1), np.array([3.0, 0.1, 1.0]))
@@ -405,7 +405,7 @@ class TestCaveats(CliTest):
 
 
 class TestWrongPoints(CliTest):
-    """A dozen points in space, seen by two cameras; some of them wrong."""
+    """A dozen points in space, seen by two cameras. Some of them are wrong."""
 
     def observations(self, spoil):
         rng = np.random.default_rng(5)
@@ -525,7 +525,7 @@ class TestWrongPoints(CliTest):
 
 class TestUnsolvable(CliTest):
     def run_with(self, spoil, *options):
-        """Calibrates with the right camera's view of frame 03 spoiled."""
+        """Calibrates after frame 03 of the right camera was spoiled."""
         head, *lines = content(STEREO, "observations.csv").splitlines()
         mine = [line for line in lines if line.startswith("03,right,")]
         rest = [line for line in lines if not line.startswith("03,right,")]
@@ -624,7 +624,7 @@ class TestHarmlessForms(CliTest):
         "CRLF": lambda text: text.replace("\n", "\r\n"),
         "byte-order mark": lambda text: "\ufeff" + text,
         "blank lines": lambda text: "\n \n" + text.replace("\n", "\n\n\t\n"),
-        # so that what is read at once ends at any place of a line
+        # so that a block that is read at once ends at any place of a line
         "long blank lines": lambda text: text.replace("\n", "\n" + 4999 * " " + "\n"),
         "no last newline": lambda text: text.rstrip("\n"),
         "columns permuted": permuted,
@@ -680,7 +680,7 @@ class TestHarmlessForms(CliTest):
         self.assertEqual(run.returncode, 0)
 
 
-# What is done to a file, the line that must be named, and the words.
+# A change of a file, the line that the message must name, and the words of the message.
 OBSERVATIONS_BROKEN = {
     "missing column": (at_line(1, lambda s: s.replace(",u,", ",w,")), 1,
                        "no column u"),
@@ -761,7 +761,7 @@ class TestBrokenFiles(CliTest):
         self.assertEqual(run.stderr.count("\n"), 1)
 
     def writes_nothing(self, cameras_csv, observations_csv):
-        """Runs without and with an old result in the folder."""
+        """Calibrates without and with an earlier result in the folder."""
         first = self.calibrate(cameras_csv, observations_csv)
         self.assertFalse(os.path.exists(self.out))
         old = os.path.join(self.folder, "old")
@@ -1111,7 +1111,7 @@ class TestTriangulate(CliTest):
 # ---- line -----------------------------------------------------------------------------
 
 def epiline(camera_b, b_from_a, ray):
-    """Line in undistorted pixels of b, from two points of the ray."""
+    """The matching line in undistorted pixels of b, from two points of the ray."""
     R, t = b_from_a
     K = np.array([[camera_b.f[0], 0, camera_b.c[0]],
                   [0, camera_b.f[1], camera_b.c[1]], [0, 0, 1]])

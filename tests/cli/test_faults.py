@@ -24,7 +24,7 @@ CALIBRATE = ["calibrate", "--cameras", STEREO + "/cameras.csv", "--observations"
 
 
 def some(whats, call, step=1):
-    """All of them, or one that goes round."""
+    """All of them, or one after the other in turn."""
     return whats if ALL else [whats[call // step % len(whats)]]
 
 
@@ -47,7 +47,7 @@ class Sweep(CliTest):
 
 
 class TestFaultsOfCalibrate(Sweep):
-    """out is new, or has an earlier file of each name and one of somebody else."""
+    """`out` is new, or has an earlier file of each name and a file of somebody else."""
 
     def prepare(self, is_new):
         for folder in (self.out, self.out + "-gone"):
@@ -59,7 +59,7 @@ class TestFaultsOfCalibrate(Sweep):
         return self.files()
 
     def usual(self, is_new):
-        """How many calls there are, and the files without a fault."""
+        """Counts the calls, and keeps the files of a run without a fault."""
         self.prepare(is_new)
         run, n = self.number_of_calls(*CALIBRATE, "--out", self.out)
         self.assertEqual(run.returncode, 0, run.stderr)
@@ -104,10 +104,10 @@ class TestFaultsOfCalibrate(Sweep):
                       if os.path.dirname(p) == self.out and t is not None}
             kept = [p for p in inside if before.get(p) == inside[p]]
             new = [p for p in inside if after.get(p) == inside[p] and p not in kept]
-            self.assertEqual(len(kept) + len(new), len(inside))  # none is half there
+            self.assertEqual(len(kept) + len(new), len(inside))  # no file is half written
             kept = [p for p in kept if not p.endswith("notes.txt")]
             self.assertTrue(not kept or not new)
-            if not new:  # no earlier one is lost
+            if not new:  # no earlier file is lost
                 self.assertEqual(list(there.values()).count(EARLIER),
                                  list(before.values()).count(EARLIER))
 
@@ -120,7 +120,7 @@ class TestFaultsOfCalibrate(Sweep):
                 self.assertRegex(run.stderr, "cannot write /\\S*/out.*: .*no file was written")
                 self.assertFalse(os.path.exists(self.out))
             if not before:
-                self.assertEqual(run.returncode, 0)  # nothing is there that could go
+                self.assertEqual(run.returncode, 0)  # there is no file that could be lost
 
     def test_the_disk_is_full_after_so_many_bytes(self):
         size = max(len(text) for text in self.usual(True)[1].values())
@@ -138,7 +138,7 @@ class TestFaultsOfCalibrate(Sweep):
 
 
 class TestFaultsOfTheOthers(Sweep):
-    """They write to standard output alone."""
+    """Commands that write only to standard output."""
 
     def commands(self):
         self.calibrate_well(STEREO)

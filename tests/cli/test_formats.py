@@ -114,7 +114,8 @@ def separated(by):
     return content(STEREO, "observations.csv").replace(",", by)
 
 
-# Name: the file; what the message says that it looks like; the section, if any.
+# For each file: its name, what the message says that it looks like, and the section, if
+# any.
 FILES = {
     "OpenCV YAML": (OPENCV_YAML, "OpenCV's YAML", "OpenCV"),
     "OpenCV YAML without matrices": ("%YAML:1.0\n---\nmodel_type: PINHOLE\n",
@@ -218,7 +219,7 @@ class TestFormats(CliTest):
                 self.assertIn(section, HEADINGS)
 
     def test_our_own_files_are_none_of_these(self):
-        """Whatever is in columns that are ignored, or in names."""
+        """In columns that are ignored, or in names, any text is allowed."""
         for column in ("a: b", "[cam0]", "{", "fc = [", "'lensmodel': 'x'",
                        "\"type_id\": \"opencv-matrix\"", "a;b", "<opencv_storage>"):
             with self.subTest(column=column):
@@ -255,7 +256,7 @@ class TestFormats(CliTest):
 
 
 class TestFormatTables(unittest.TestCase):
-    """The tables of FORMAT.md, section From other programs."""
+    """The tables in the section "From other programs" of FORMAT.md."""
 
     def rows(self, first):
         table = re.search(rf"(?m)^\| {first} \|.*\n\| ---.*\n((?:\|.*\n)+)",

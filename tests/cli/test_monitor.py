@@ -39,7 +39,7 @@ def observations(poses, rng, n_boards=12):
 
 
 def frame(poses, rng, n=20, wrong=0.05):
-    """n points of the scene, each seen by two cameras."""
+    """n points of the scene, each of them seen by two cameras."""
     names, seen = list(poses), []
     for _ in range(n):
         a, b = rng.permutation(names)[:2]
@@ -68,7 +68,7 @@ def turned(poses, name, w):
 
 
 class Monitor(CliTest):
-    """Each rig is calibrated once."""
+    """Calibrates each rig once."""
     folders = {}
 
     def rig(self, n):
@@ -129,7 +129,7 @@ class Monitor(CliTest):
             self.assertTrue(all(r["alarm"] == "0" for r in rows[:40]))
             self.assertTrue(any(r["alarm"] == "1" and r["camera"] == moved for r in rows[40:]))
             self.assertEqual(rows[-1]["alarm"], "0")
-            # where it is now, seen from the others
+            # the present poses, seen from the other cameras
             now = {c: pose_in(rows[-1], c) for c in "abc"}
             for other in "abc".replace(moved, ""):
                 seen = relative(now[moved], now[other])
@@ -149,7 +149,7 @@ class Monitor(CliTest):
         run = self.watch(rig, matches(lambda f: after if f >= 30 else poses, 80,
                                       np.random.default_rng(5)), "--arl0", "10000")
         self.assertEqual(run.returncode, 1, run.stderr)
-        self.assertIn("a camera moved, and nothing tells which: a or b. A turn of", run.stderr)
+        self.assertIn("a camera moved, and nothing shows which: a or b. A turn of", run.stderr)
         self.assertNotIn("probability", run.stderr)
 
     def test_a_camera_without_matches_is_blind(self):
@@ -170,7 +170,8 @@ class Monitor(CliTest):
         self.assertEqual(run.returncode, 0, run.stderr)
         rows = read(run.stdout)
         self.assertEqual([float(r["time_s"]) for r in rows], [5, 6, 7, 8, 9, 10])
-        self.assertEqual({r["rows"] for r in rows}, {"48"})  # 24 points: a with b, b with c
+        self.assertEqual({r["rows"] for r in rows}, {"48"})  # 24 points: matches of a with
+                                                             # b, and of b with c
 
     def test_the_time_of_a_frame_is_the_mean_of_its_cameras(self):
         rig, poses = self.rig(3)

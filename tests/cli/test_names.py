@@ -1,4 +1,4 @@
-"""Names that look alike are told apart, aloud."""
+"""Names that look alike are distinguished, and a message says so."""
 import os
 import unittest
 
@@ -7,7 +7,7 @@ from cli_support import STEREO, CliTest, content, read, rigcal, write
 
 class TestNames(CliTest):
     def observations(self, change):
-        """Those of the stereo pair; change maps frame, camera and point."""
+        """The observations of the stereo pair. `change` maps frame, camera and point."""
         head, *lines = content(STEREO, "observations.csv").splitlines()
         rows = [line.split(",") for line in lines]
         return write(self.folder, "o.csv", "\n".join([head] + [
@@ -22,7 +22,7 @@ class TestNames(CliTest):
                 f"{kind}s: if they are one, spell them alike\n")
 
     def frames(self, *names):
-        """The seven frames, the first of them with these names."""
+        """The seven frames. The first ones get these names."""
         known = ["01", "03", "05", "07", "09", "12", "14"]
         new = {**{k: "f" + k for k in known}, **dict(zip(known, names))}
         return self.run_with(lambda f, c, p: [new[f], c, p])

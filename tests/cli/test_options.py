@@ -14,7 +14,7 @@ POSE = rotation(0.2, -0.4, 0.1), np.array([0.1, -0.4, 4])
 
 class OptionsTest(CliTest):
     def one_view(self, X, uv, *more, camera=camera_row("cam")):
-        """Calibrates a camera that sees X at uv; the line of poses.csv."""
+        """Calibrates a camera that sees X at uv. Returns the line of poses.csv."""
         lines = ["frame,camera,point,X,Y,Z,u,v"] + [
             f"0,cam,p{i}," + ",".join(repr(x) for x in [*x_w, *px])
             for i, (x_w, px) in enumerate(zip(np.asarray(X).tolist(),
@@ -37,7 +37,7 @@ class TestSigma(OptionsTest):
     def test_uncertainties_are_for_the_noise_that_is_given(self):
         run, estimated = self.columns()
         self.assertIn("for noise as large as its residuals\n", run.stdout)
-        # What the residuals tell: sum(du^2 + dv^2) / (2 n - 6).
+        # The estimate from the residuals: sum(du^2 + dv^2) / (2 n - 6).
         noise = estimated["rms_px"] * np.sqrt(estimated["n"] /
                                               (2 * estimated["n"] - 6))
         for sigma in (0.2, 0.5):
@@ -83,7 +83,7 @@ class TestSigma(OptionsTest):
                 self.assertIn(f'not "{sigma}"', run.stderr)
             self.assertEqual(told[0].stderr, told[1].stderr)
         run = self.calibrate_set(STEREO, "--sigma", "1e-6")
-        self.assertEqual(run.returncode, 1)  # no view fits to that
+        self.assertEqual(run.returncode, 1)  # no view fits as well as that
         self.assertTrue(run.stderr.startswith("rigcal: --sigma 1e-06 is too small: 14 of 14"))
 
     def test_it_does_not_go_with_the_published_procedure(self):

@@ -15,7 +15,7 @@ LINES = [f"S{i}{j}" for i in (1, 2, 3) for j in range(1, i + 1)]
 
 
 def between(row, name):
-    """What the line of a camera has of its covariance with camera `name`."""
+    """The covariance of a camera with camera `name`, from its line."""
     return np.array([[float(row[f"S{i}{j}@{name}"]) for j in range(1, 7)]
                      for i in range(1, 7)])
 
@@ -34,7 +34,7 @@ class MeasureTest(test_rig.RigTest):
 
 
 class TestJoint(MeasureTest):
-    """Three cameras, of which the first is held: the other two have a covariance."""
+    """Three cameras, the first of them held. The other two have a covariance."""
 
     def joint(self):
         rows = {row["camera"]: row for row in read(self.result("rig.csv"))}
@@ -144,7 +144,7 @@ class TestWrongViews(MeasureTest):
         path = write(self.folder, "observations.csv", "\n".join([head, *lines]) + "\n")
         run = self.triangulate(CAVITY, observations=path)
         self.assertEqual(run.returncode, 1)
-        self.assertIn(f"frame {fields[0]}, point {fields[2]}: left out, for it contradicts "
+        self.assertIn(f"frame {fields[0]}, point {fields[2]}: left out, because it contradicts "
                       f"the others: camera {fields[1]}", run.stderr)
         found = {row["point"]: row for row in read(run.stdout)}
         for point, row in found.items():

@@ -26,13 +26,13 @@ def moved(pose, x):
 
 
 def slope(function, h):
-    """By central differences; h: the step of each number."""
+    """The derivative by central differences. h: the step of each number."""
     return np.stack([(function(e) - function(-e)) / (2 * k)
                      for k, e in zip(h, np.diag(h))], 1)
 
 
 def step_of(pose, start):
-    """(w, dt) of a small step."""
+    """The small step (w, dt) between two poses."""
     W = pose[0] @ start[0].T
     return np.array([W[2, 1] - W[1, 2], W[0, 2] - W[2, 0], W[1, 0] - W[0, 1],
                      *2 * (pose[1] - start[1])]) / 2
@@ -91,12 +91,12 @@ class Adjusted:
         return d[:, None] * np.linalg.inv(d[:, None] * M * d) * d
 
     def noise(self):
-        """Of the rig's sigmas, without --sigma."""
+        """The noise that the sigmas of the rig are for, without --sigma."""
         noise = np.sqrt(self.own / self.within)
         return noise * max(1, np.sqrt(self.F)) if self.between > 0 else noise
 
     def cameras_covariance(self):
-        """For noise of one pixel, held ones included."""
+        """The covariance for noise of one pixel, with rows for held cameras."""
         C = self.scaled(self.H)
 
         def block(a, b):
@@ -118,7 +118,7 @@ class Adjusted:
 
 class RigTest(CliTest):
     def close(self, found, known, part):
-        """Covariances, each entry against its two sigmas."""
+        """Compares covariances. The tolerance of an entry is relative to its two sigmas."""
         s = np.sqrt(np.diag(known))
         np.testing.assert_allclose(found / np.outer(s, s), known / np.outer(s, s),
                                    atol=part)
@@ -127,14 +127,14 @@ class RigTest(CliTest):
         return {tuple(r[k] for k in keys) if len(keys) > 1 else r[keys[0]]: r
                 for r in read(self.result(name))}
 
-    # Of rigs made up: three cameras, five placements.
+    # Simulated rigs: three cameras, five placements.
     CAMERAS = {"a": STILL, "b": (rotation(0, 0.3, 0.05), np.array([-1.2, 0.1, 0.2])),
                "c": (rotation(0.1, -0.4, 0), np.array([1.4, 0, 0.3]))}
     PLACES = {str(i): (rotation(0.3 * i - 0.5, 0.4 - 0.2 * i, 0.1 * i),
                        np.array([0.2 * i - 0.4, 0.1 * i, 6 + 0.3 * i])) for i in range(5)}
 
     def made(self, noise_px=0.1, seed=1, spoil=None, shared=None, places=None):
-        """Folder with a rig's files; spoil changes the lines of observations."""
+        """A folder with the files of a rig. `spoil` changes the lines of observations."""
         places = places or self.PLACES
         shared = shared or {f: "abc" for f in places}
         table, text = made_up({n: camera_row(n) for n in self.CAMERAS}, self.CAMERAS,
@@ -176,11 +176,11 @@ class TestAgainstBundleAdjustment(RigTest):
                 self.check_reference(folder)
 
     def check_least_squares(self, folder, *options, held=None):
-        """Whatever is written, against normal equations by differences."""
+        """Compares all that is written with normal equations by difference quotients."""
         run = self.calibrate_well(folder, *options)
         rig = Adjusted(folder, self.out, held or [next(iter(cameras(folder)))])
         C = rig.scaled(rig.H)
-        # At the optimum no step is left, in parts of its sigma.
+        # At the optimum the remaining step is 0, in parts of each sigma.
         left = np.abs(C @ rig.g) / np.sqrt(np.diag(C)) / np.sqrt(rig.sum / rig.freedom)
         measured(f"left {left.max():.1e} sigma")
         self.assertLess(left.max(), 0.05 if FLOAT else 1e-4)
@@ -200,7 +200,8 @@ class TestAgainstBundleAdjustment(RigTest):
         return run, rig
 
     def check_sigmas(self, row, part):
-        """sigma_rot_deg and sigma_pos, from the covariance: of the centre."""
+        """sigma_rot_deg and sigma_pos follow from the covariance; sigma_pos is that of the
+        centre."""
         S, pose = covariance(row), transform(row)
         far = max(1e-3, np.linalg.norm(pose[1]))
         J = slope(lambda x: invert(moved(pose, x))[1],
@@ -213,7 +214,7 @@ class TestAgainstBundleAdjustment(RigTest):
     def test_covariances_of_the_stereo_pair(self):
         run, rig = self.check_least_squares(STEREO)
         self.assertGreater(rig.F, 1)
-        self.assertIn(f"sqrt(F) {np.sqrt(rig.F):.2f}: times more than noise", run.stdout)
+        self.assertIn(f"sqrt(F) {np.sqrt(rig.F):.2f}: the views disagree", run.stdout)
         self.assertIn(f"multiplied by sqrt(F), {np.sqrt(rig.F):.2f}\n", run.stdout)
         self.assertIn(f"F has {rig.between} and {rig.within} degrees of freedom", run.stdout)
         self.assertRegex(run.stdout, r"(?m)^rig: 14 views, 756 points, sigma "
@@ -264,7 +265,7 @@ class TestDisagreement(RigTest):
                           r"the noise\)\.")
 
     def moved_for_c(self, far):
-        """The target has moved when camera c sees it, in another direction each time."""
+        """The target has moved before camera c sees it, in another direction each time."""
         late = {f: (R, t + far * np.array([np.cos(2 * i), np.sin(2 * i), 0]))
                 for i, (f, (R, t)) in enumerate(self.PLACES.items())}
         self.made()
@@ -344,7 +345,7 @@ class TestHold(RigTest):
         self.made()
         self.calibrate_well(self.folder)
         head, a, b, c = content(self.out, "rig.csv").splitlines()
-        # Without the covariances, and b moved by hand.
+        # Removes the covariances, and moves b by hand.
         fields = b.split(",")
         fields[10] = repr(float(fields[10]) + 0.004)
         prior = write(self.folder, "prior.csv", "\n".join(
@@ -367,7 +368,7 @@ class TestPrior(RigTest):
     SIGMA = 0.1
 
     def with_prior(self, shift):
-        """A prior of cameras b and c, away from the free answer by shift of their sigma."""
+        """A prior of cameras b and c that differs from the free answer by `shift` sigma."""
         self.made()
         self.calibrate_well(self.folder, "--sigma", str(self.SIGMA))
         free = Adjusted(self.folder, self.out, ["a"])
@@ -437,7 +438,7 @@ class TestPrior(RigTest):
         run = self.calibrate_set(self.folder, "--sigma", "0.1", "--prior", prior)
         self.assertEqual(run.returncode, 1)
         self.assertIn(f"camera c shares no frame with a, nor with a camera that does: only "
-                      f"{prior} tells how they lie", run.stderr)
+                      f"{prior} says how they lie", run.stderr)
         self.assertEqual(list(self.rows("rig.csv", "camera")), ["a", "b", "c"])
         self.assertEqual(list(self.rows("pairs.csv", "camera_a", "camera_b")), [("a", "b")])
         self.assertEqual(sorted(self.rows("targets.csv", "frame")), list("01234"))
@@ -503,7 +504,7 @@ class TestProgress(RigTest):
             try:
                 while data := os.read(master, 65536):
                     shown += data
-            except OSError:  # how a terminal ends
+            except OSError:  # this is how a terminal ends
                 pass
             out = run.stdout.read().decode()
         os.close(master)
@@ -514,12 +515,12 @@ class TestProgress(RigTest):
         places = {f"{k}{i}": (R, t + [0, 0, 0.02 * k]) for k in range(4)
                   for i, (R, t) in enumerate(self.PLACES.values())}
         self.made(places=places)  # 60 views
-        plain = self.calibrate_well(self.folder).stdout  # and nothing on stderr
+        plain = self.calibrate_well(self.folder).stdout  # and stderr is empty
         out, shown = self.run_on_terminal()
         self.assertEqual(out, plain)
         self.assertIn("rigcal: view 60 of 60", shown)
         self.assertIn("rigcal: adjusting the rig of 60 views, step 1", shown)
-        self.assertTrue(shown.endswith("\r\033[K"))  # and it is gone
+        self.assertTrue(shown.endswith("\r\033[K"))  # and it was removed
 
     def test_short_work_is_not(self):
         self.made()

@@ -1,4 +1,4 @@
-"""summary.json says what is printed; --progress says how far the work is."""
+"""summary.json says what is printed; --progress says how much of the work is done."""
 import json
 import unittest
 
@@ -11,7 +11,8 @@ class TestSummary(CliTest):
         return json.loads(content(self.out, "summary.json"))
 
     def stereo(self, change):
-        """The stereo pair, each observation changed: a list of its columns, or None."""
+        """The stereo pair after a change of its observations. The function gets the columns
+        of each, and returns them or None."""
         head, *lines = content(STEREO, "observations.csv").splitlines()
         rows = [change(line.split(",")) for line in lines]
         path = write(self.folder, "o.csv", "\n".join(
@@ -30,7 +31,7 @@ class TestSummary(CliTest):
         self.assertEqual((s["exit_status"], s["frame"], s["findings"]), (0, "left", []))
         self.assertIn(f"rig: {s['n_views']} views, {s['n_points']} points, sigma "
                       f"{s['sigma_px']:.3g} px", run.stdout)
-        self.assertIn(f"sqrt(F) {s['sqrt_F']:.2f}: times", run.stdout)
+        self.assertIn(f"sqrt(F) {s['sqrt_F']:.2f}: the views", run.stdout)
         self.assertIn(f"F has {s['freedom_between']:.0f} and {s['freedom_within']:.0f} degrees",
                       run.stdout)
         self.assertIn(f"for noise of {s['noise_px']:.3g} px", run.stdout)
@@ -58,7 +59,7 @@ class TestSummary(CliTest):
         targets = {f: (rotation(0.1 * k, 0.2, 0), [0, 0, 0.1 * k]) for k, f in enumerate("uvwx")}
         c, o = made_up(cameras, poses, targets, {f: "abc" for f in targets})
         rows = [line.split(",") for line in o.splitlines()]
-        for row in rows:  # b in w has the pixels of another place
+        for row in rows:  # view b of w gets the pixels of another placement
             if row[:2] == ["w", "b"]:
                 row[6] = repr(float(row[6]) + 30)
         run = self.calibrate(write(self.folder, "c.csv", c),

@@ -15,20 +15,20 @@ FPS = 15
 
 
 def turned_number(columns, rows):
-    """The point that each becomes, of a board by rows."""
+    """For each point of a board by rows: the point that it becomes."""
     number = np.arange(columns * rows).reshape(rows, columns)
     return (np.rot90(number) if columns == rows else np.rot90(number, 2)).ravel()
 
 
 def place(t):
-    """Where the target is: smooth in time."""
+    """The place of the target, smooth in time."""
     return (rotation(0.35 * np.sin(2.1 * t), 0.15 + 0.35 * np.cos(1.7 * t), 0.4 * np.sin(1.3 * t)),
             np.array([0.4 * np.sin(2.6 * t), 0.3 * np.cos(2.2 * t), 6 + 0.5 * np.sin(1.9 * t)]))
 
 
 class TestTurned(CliTest):
     def made(self, columns=4, rows=4, seed=1, frames=12, delays=None, noise_px=0.05, part=0.4):
-        """Files of a board: of each view the points are named from a random side."""
+        """The files of a board. In each view the points are named from a random side."""
         rng = np.random.default_rng(seed)
         X = np.array([[0.3 * x, 0.3 * y, 0] for y in range(rows) for x in range(columns)])
         X -= X.mean(axis=0) - [0.1, 0.2, 0]
@@ -91,7 +91,7 @@ class TestTurned(CliTest):
             self.assertAlmostEqual(float(r["X"]), float(place_of[r["point"]]), delta=1e-6)
 
     def test_a_motion_is_followed_through_readings(self):
-        """Each camera's reading changes at random from frame to frame."""
+        """The reading changes at random from frame to frame, for each camera."""
         folder = self.made(5, 3, frames=30, delays=DELAYS)
         run = self.calibrate_set(folder, "--times", os.path.join(folder, "times.csv"), "--clocks")
         self.assertEqual(run.returncode, 0, run.stderr)

@@ -10,7 +10,7 @@ from test_rig import Adjusted, RigTest, covariance
 
 
 def noises(path):
-    """Of each view's points, over that of the usual point."""
+    """The rms of each view's points over that of an ordinary point."""
     rows = read(path)
     usual = sorted(float(r["sigma_px"]) for r in rows)[len(rows) // 2]
     views = {}
@@ -20,7 +20,7 @@ def noises(path):
 
 
 class Weighed(Adjusted):
-    """The same least squares by differences, of errors over their noise."""
+    """The same least squares by differences, with each error divided by its noise."""
 
     def __init__(self, folder, out, held):
         self.noise_of = noises(os.path.join(folder, "observations.csv"))
@@ -32,7 +32,7 @@ class Weighed(Adjusted):
 
 class TestWeights(RigTest):
     def weighed(self, spread=6.0, seed=1, noise_px=0.1):
-        """A rig's files: every third point has so many times the noise of the others."""
+        """The files of a rig. Every third point has more noise than the others."""
         folder = self.made(noise_px=0, seed=seed)
         path = os.path.join(folder, "observations.csv")
         head, *lines = content(folder, "observations.csv").splitlines()
@@ -47,7 +47,7 @@ class TestWeights(RigTest):
         return folder, path
 
     def changed(self, change):
-        """observations.csv with another column sigma_px."""
+        """observations.csv with a different column sigma_px."""
         head, *lines = content(self.folder, "observations.csv").splitlines()
         lines = [",".join([*line.split(",")[:8], change(k)]) for k, line in enumerate(lines)]
         write(self.folder, "observations.csv", "\n".join([head, *lines]) + "\n")
@@ -61,7 +61,7 @@ class TestWeights(RigTest):
         left = np.abs(C @ rig.g) / np.sqrt(np.diag(C)) / np.sqrt(rig.sum / rig.freedom)
         measured(f"left {left.max():.1e} sigma")
         self.assertLess(left.max(), 0.05 if FLOAT else 1e-4)
-        plain = Adjusted(folder, self.out, ["a"])  # which is another optimum
+        plain = Adjusted(folder, self.out, ["a"])  # the optimum differs
         self.assertGreater((np.abs(C @ plain.g) / np.sqrt(np.diag(C))).max(), 1)
         block, noise = rig.cameras_covariance(), rig.noise()
         self.assertAlmostEqual(noise, 0.1, delta=0.02)
@@ -85,8 +85,9 @@ class TestWeights(RigTest):
         return moved(pose, x)
 
     def test_covariances_hold_what_they_say(self):
-        """Errors of 60 rigs in their covariance: chi square of 6 has the mean 6. Weighed
-        rigs are nearer to the truth than those in which all points count alike."""
+        """The errors of 60 rigs in units of their covariance: chi square of 6 degrees has
+        the mean 6. Weighted rigs are nearer to the truth than rigs in which all points
+        count alike."""
         true = relative(self.CAMERAS["b"], self.CAMERAS["a"])
         chi2, off = [], {"--weigh": [], "": []}
         for seed in range(60):

@@ -29,7 +29,7 @@ def views_of(rows):
 
 
 def reverse(view):
-    """The pixels of one view in the opposite order."""
+    """The pixels of one view in reverse order."""
     for r, pixel in zip(view, [(r["u"], r["v"]) for r in view][::-1]):
         r["u"], r["v"] = pixel
 
@@ -68,7 +68,7 @@ class TestStereo(WrongViews):
             for c in ("left", "right") for f in FRAMES})
         found = read(self.result("rig.csv"))[1]
         self.assertEqual(found.pop("camera"), "right")
-        for name, value in found.items():  # the covariance too
+        for name, value in found.items():  # also the covariance
             self.assertLess(abs(float(value) - float(known[name])), 1e-4 if FLOAT else 1e-6)
         self.assertAlmostEqual(float(found["sigma_rot_deg"]) / float(known["sigma_rot_deg"]), 1,
                                delta=1e-2 if FLOAT else 1e-5)
@@ -153,7 +153,7 @@ class Simulated(WrongViews):
         self.assertEqual(found, set(views))
 
     def assert_right(self, names="bcd"):
-        """The rig is the true one, to its own standard deviations."""
+        """The rig is the true one, within its own standard deviations."""
         rig = transforms(self.result("rig.csv"), "camera")
         rows = {r["camera"]: r for r in read(self.result("rig.csv"))}
         for name in names:
@@ -192,7 +192,7 @@ class TestBrokenSets(Simulated):
         self.assert_right()
 
     def test_late(self):
-        """One view is of the frame before, as another image of it: not the same pixels."""
+        """One view shows the frame before, in another image of it, so its pixels differ."""
         rng = np.random.default_rng(3)
         self.give("b", "4", (np.array(self.pixels("b", "3"))
                              + rng.normal(0, 0.2, (35, 2))).tolist())
@@ -219,7 +219,8 @@ class TestBrokenSets(Simulated):
         self.assert_right("cd")
 
     def test_all_of_a_camera_reversed(self):
-        for camera in "ad":  # the first, whose frame the rig's would be, and another
+        for camera in "ad":  # the first camera, whose frame the rig would have, and another
+                             # one
             for frame in self.FRAMES:
                 reverse(self.view(camera, frame))
             run, first, second = self.run_sim()
@@ -274,7 +275,7 @@ class TestBrokenSets(Simulated):
                          r"\Arigcal:   show the target to [cd] and [ab] together")
 
     def test_wrong_unit(self):
-        """Millimetres in one frame of one camera, whose points have names of their own."""
+        """One camera in one frame has millimetres. Its points have other names."""
         for r in self.rows:
             r["point"] = f"{r['camera']}{r['point']}"
         for r in self.view("c", "2"):
@@ -308,7 +309,7 @@ class TestBrokenSets(Simulated):
         self.assertIn("right-handed axes", second)
 
     def test_mirrored(self):
-        """A set whose image is mirrored in one view."""
+        """Observations in which one view has a mirrored image."""
         self.give("b", "6", [(1279 - u, v) for u, v in self.pixels("b", "6")])
         self.check_mirrored(*self.run_sim())
 
@@ -325,7 +326,7 @@ class TestBrokenSets(Simulated):
         self.assert_right()
 
     def test_numbered_as_in_a_mirror(self):
-        """Each row of the board from its other end."""
+        """Names each row of the board from its other end."""
         pixels = np.array(self.pixels("b", "6")).reshape(5, 7, 2)[:, ::-1]
         self.give("b", "6", pixels.reshape(-1, 2).tolist())
         run, first, second = self.run_sim()
@@ -407,7 +408,7 @@ class TestUnchecked(Simulated):
 
 class TestGraph(Simulated):
     def test_pairs_tell_what_they_share(self):
-        """d sees the target in one frame, with a alone."""
+        """Camera d sees the target in one frame, which it shares with a alone."""
         self.rows = [r for r in self.rows if r["camera"] != "d" or r["frame"] == "0"]
         run, _, _ = self.run_sim()
         for a, b in itertools.combinations("abcd", 2):

@@ -1,4 +1,5 @@
-/* What a user's program may be: calls the library, some of it needing libm. */
+/* An example of a user's program: it calls functions of the library, one of which needs
+ * libm. */
 #include <stdio.h>
 
 #include "rigcal.h"

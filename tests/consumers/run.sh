@@ -1,7 +1,7 @@
 #!/bin/sh
-# The four ways into a user's project, each tried with a small project here:
-# find_package, pkg-config, add_subdirectory, FetchContent; static and shared,
-# double and float.
+# Tries the four ways to add the library to a project, each with a small project:
+# find_package, pkg-config, add_subdirectory, FetchContent; static and shared, double and
+# float.
 #
 #   sh tests/consumers/run.sh [FOLDER]     builds in FOLDER, build/consumers
 set -eu
@@ -13,8 +13,8 @@ out=$(cd "${1:-build/consumers}" && pwd)
 rm -rf "${out:?}"/*
 count=0
 
-# Configures and builds the project $1 in $out/$2. What is tried is how the parts find each
-# other, not what an optimiser makes of them.
+# Configures and builds the project $1 in $out/$2. This tests how the parts find each other,
+# so no optimiser is needed.
 build() {
     project=$1
     tree=$2
@@ -24,7 +24,7 @@ build() {
     cmake --build "$out/$tree"
 }
 
-# check EXPECTED PROGRAM [OPTION...]: what the program says has EXPECTED in it
+# check EXPECTED PROGRAM [OPTION...]: the output of the program must contain EXPECTED
 check() {
     expected=$1
     shift
@@ -49,7 +49,7 @@ for kind in static-double static-float shared-double shared-float; do
     fi
     settings="-DBUILD_SHARED_LIBS=$shared -DRIGCAL_REAL=$real"
 
-    # Installed, then moved: nothing in the package may know its first place.
+    # Installed, then moved: nothing in the package may depend on its first place.
     # shellcheck disable=SC2086 -- several settings
     build "$source" "$kind/library" $settings \
         -DCMAKE_INSTALL_PREFIX="$out/$kind/first"
@@ -73,7 +73,7 @@ for kind in static-double static-float shared-double shared-float; do
     done
     unset LD_LIBRARY_PATH
 
-    # These hand on the two settings: each is on once, and off once.
+    # These ways pass on the two settings. Each setting is tried on and off.
     case $kind in
     static-double | shared-float) ways="add_subdirectory fetch_content" ;;
     *) ways= ;;
@@ -86,7 +86,7 @@ for kind in static-double static-float shared-double shared-float; do
     done
 done
 
-# A version that promises nothing to this one is refused.
+# A version that does not promise to be compatible with this one is refused.
 sed 's/rigcal 0.2/rigcal 99.0/' tests/consumers/find_package/CMakeLists.txt \
     >"$out/CMakeLists.txt"
 if cmake -G Ninja -S "$out" -B "$out/too_new" \

@@ -26,7 +26,7 @@ import sys
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 EXCEPTIONS = os.path.join(ROOT, "tests", "coverage", "exceptions.txt")
-OPEN = "open"  # in place of a proof
+OPEN = "open"  # stands in place of a proof
 
 
 class Source:
@@ -47,7 +47,7 @@ class Source:
 
 
 def functions_of(data):
-    """By file: the range of each function, its name, and how often it ran."""
+    """For each file: the range of each function, its name, and how often it ran."""
     found = {}
     for function in data["functions"]:
         name = function["name"].rsplit(":", 1)[-1]
@@ -59,8 +59,8 @@ def functions_of(data):
 
 
 def branches_of(entry):
-    """By place: how often true and false, of all copies of an inline function. A condition
-    that begins with a macro stands where the macro does."""
+    """For each place: how often a condition was true and false, over all copies of an
+    inline function. A condition that begins with a macro has the place of the macro."""
     counts = {}
     branches = [(tuple(branch[:4]), branch) for branch in entry["branches"]]
     for expansion in entry["expansions"]:
@@ -74,7 +74,7 @@ def branches_of(entry):
 
 
 def decisions_of(entry):
-    """By place: whether each condition, in the order of the text, decided alone."""
+    """For each place: whether each condition, in the order of the text, decided alone."""
     decisions = {}
     for record in entry["mcdc_records"]:
         place, conditions = tuple(record[:4]), record[-1]
@@ -98,7 +98,7 @@ def items_of_file(entry, functions):
     missing = set()
     for place, (true, false) in counts.items():
         if true == 0 and false == 0:
-            continue  # never reached, or a constant: of neither an outcome is to be had
+            continue  # it was never reached, or is a constant: no outcome is possible
         for outcome, count in (("never-true", true), ("never-false", false)):
             if count == 0:
                 missing.add(place)
@@ -123,7 +123,7 @@ def items_of_file(entry, functions):
 
 
 def number_copies(items, counts, functions, source):
-    """Conditions of a function that read alike are told apart by a number: #2, #3."""
+    """Numbers conditions of a function that have the same text: #2, #3."""
     copies = {}
     for place in sorted(counts):
         name = next((n for body, (n, _) in functions.items() if is_within(place, body)), "")
@@ -151,7 +151,7 @@ def items_of(precision):
 
 
 def read_exceptions():
-    """By item and precision: the proof."""
+    """For each item and precision: the proof."""
     form = re.compile(r"(\S+) (\S+) (both|double|float) (never-\S+) (.*) => (.+)")
     proofs = {}
     with open(EXCEPTIONS, encoding="utf-8") as f:
@@ -173,8 +173,8 @@ def read_exceptions():
 
 
 def update(seen, proofs):
-    """Rewrites exceptions.txt: what is covered goes, what is new comes as open. What only
-    one precision was asked for stays as it is of the other."""
+    """Rewrites exceptions.txt. Items that are covered are removed, new ones are added as
+    open. If only one precision was read, the entries of the other stay."""
     kept = {}
     for (item, precision), proof in proofs.items():
         if precision not in seen or item in seen[precision]:

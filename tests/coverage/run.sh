@@ -37,8 +37,8 @@ for precision in $precisions; do
         tail -n 40 "$build.log"
         exit 1
     }
-    # A decision that holds another, as in !(a && b) || c, would not be counted. The
-    # objects go, so that the next build says so again.
+    # A decision that contains another one, as in !(a && b) || c, is not counted. The
+    # objects are removed, so that the next build reports it again.
     if grep -B1 -A2 "unsupported MC/DC" "$build.log"; then
         rm -rf "$build"/CMakeFiles/rigcal.dir/src
         echo "The conditions above cannot be counted: write !a || !b for !(a && b)." >&2
@@ -50,7 +50,7 @@ for precision in $precisions; do
         tail -n 40 "$build/ctest.log"
         exit 1
     }
-    # One program with the whole library, as llvm-cov does not read every archive.
+    # Links one program with the whole library, because llvm-cov cannot read every archive.
     echo "int main(void) { return 0; }" >"$build/whole.c"
     clang-19 -fprofile-instr-generate "$build/whole.c" -Wl,--whole-archive \
         "$build/librigcal.a" -Wl,--no-whole-archive -lm -o "$build/whole"

@@ -138,7 +138,8 @@ rigcal_real fuzz_real(fuzz_bytes *bytes)
 
     memcpy(&x, &bits, sizeof x);
     if (fabs(x) > (double)FLT_MAX && isfinite(x) && sizeof(rigcal_real) == 4) {
-        return (rigcal_real)(x > 0 ? INFINITY : -INFINITY); /* the cast is undefined */
+        return (rigcal_real)(x > 0 ? INFINITY : -INFINITY); /* the cast would be
+                                                               undefined */
     }
     return (rigcal_real)x;
 }
@@ -174,7 +175,8 @@ void fuzz_transform(rigcal_transform *b_from_a, fuzz_bytes *bytes)
     fuzz_reals(b_from_a->t, 3, bytes);
 }
 
-/* The kind of lens, how many of its numbers follow, and two words of size. */
+/* Reads the kind of lens, how many of its coefficients follow, and two words for the
+ * size. */
 void fuzz_camera(rigcal_camera *camera, fuzz_bytes *bytes)
 {
     rigcal_real numbers[12] = {0};

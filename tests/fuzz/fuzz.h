@@ -1,4 +1,4 @@
-/* fuzz.h - what the fuzz harnesses share: arguments made of bytes, and promises.
+/* fuzz.h - what the fuzz harnesses share: arguments made from bytes, and promises.
  *
  * A harness is one function, which libFuzzer calls with bytes of its own making. It reads
  * arguments from them, calls the library, and checks what the public headers promise for
@@ -18,7 +18,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
 /* ---- promises --------------------------------------------------------------- */
 
-/* Ends the program, with the promise that was broken, its file and line. */
+/* Ends the program and prints the promise that was broken, with file and line. */
 #define PROMISE(holds) \
     do { \
         if (!(holds)) { \
@@ -27,19 +27,20 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
     } while (0)
 void fuzz_broken(const char *promise, const char *file, int line);
 
-/* An output is marked before a call. After a negative status the mark must still be there
- * ("a negative one failed and wrote no output"). */
+/* Marks an output before a call. After a negative status the mark must still be there ("a
+ * negative one failed and wrote no output"). */
 void fuzz_mark(void *output, size_t size);
 int fuzz_is_marked(const void *output, size_t size);
 #define MARK(output) fuzz_mark(&(output), sizeof(output))
 #define IS_MARKED(output) fuzz_is_marked(&(output), sizeof(output))
 
-/* status is one that the library has, and after a negative one `output` is untouched. */
+/* `status` must be one of the library's. After a negative one `output` must be
+ * untouched. */
 #define PROMISE_UNTOUCHED(status, output) PROMISE((status) >= 0 || IS_MARKED(output))
 int fuzz_is_status(rigcal_status status);
 
-/* Whether all n numbers are finite; whether R is a rotation to `tolerance`: the largest
- * element of R^T R - I, and of det R - 1. */
+/* Whether all n numbers are finite. Whether R is a rotation to `tolerance`, which limits
+ * each element of R^T R - I, and det R - 1. */
 int fuzz_all_finite(const rigcal_real x[], size_t n);
 int fuzz_is_rotation(const rigcal_real R[9], double tolerance);
 int fuzz_is_transform(const rigcal_transform *b_from_a);
@@ -48,7 +49,8 @@ int fuzz_is_transform(const rigcal_transform *b_from_a);
  * no correlation beyond 1. `slack` is the part of the variances that rounding may cost. */
 int fuzz_is_covariance(const rigcal_real Sigma[], int n, double slack);
 
-/* What the rounding of rigcal_real does to a result that double has to 1e-9. */
+/* The tolerance of a result that double computes to 1e-9, for the rounding of
+ * rigcal_real. */
 #define FUZZ_TOL(for_double, for_float) \
     (sizeof(rigcal_real) == 8 ? (for_double) : (for_float))
 
@@ -61,11 +63,11 @@ typedef struct fuzz_bytes {
 int fuzz_is_empty(const fuzz_bytes *bytes);
 uint8_t fuzz_byte(fuzz_bytes *bytes);
 uint32_t fuzz_word(fuzz_bytes *bytes);               /* any 32 bits, little-endian */
-int32_t fuzz_below(fuzz_bytes *bytes, int32_t most); /* 0 .. most - 1, of one byte */
+int32_t fuzz_below(fuzz_bytes *bytes, int32_t most); /* 0 .. most - 1, from one byte */
 rigcal_real fuzz_real(fuzz_bytes *bytes);            /* any, NaN and infinity included */
 void fuzz_reals(rigcal_real x[], size_t n, fuzz_bytes *bytes);
 
-/* A rotation from a rotation vector or, where the first byte is odd, any nine numbers. */
+/* A rotation from a rotation vector or, if the first byte is odd, from any nine numbers. */
 void fuzz_rotation(rigcal_real R[9], fuzz_bytes *bytes);
 void fuzz_transform(rigcal_transform *b_from_a, fuzz_bytes *bytes);
 void fuzz_camera(rigcal_camera *camera, fuzz_bytes *bytes);
@@ -74,7 +76,7 @@ void fuzz_camera(rigcal_camera *camera, fuzz_bytes *bytes);
 void fuzz_view(rigcal_view *view, rigcal_camera *camera, rigcal_observation observations[],
                rigcal_real sigma[], size_t capacity, fuzz_bytes *bytes);
 
-/* Budgets of a solver's steps: from the bytes, then 1, 2, 3, 5, 8 .. */
+/* Budgets for the steps of a solver: from the bytes, then 1, 2, 3, 5, 8, and so on. */
 typedef struct fuzz_budget {
     int32_t last, before;
 } fuzz_budget;

@@ -1,10 +1,10 @@
-/* The adjustment and what is asked of an adjusted rig: any views. */
+/* The adjustment and the functions for an adjusted rig, with any views. */
 #include <math.h>
 #include <string.h>
 
 #include "fuzz_rigs.h"
 
-/* Bits of the first byte: what else is done. */
+/* Bits of the first byte: what else is called. */
 enum { ROBUST = 1, CLOCKS = 2, FAULTS = 4, CONSIDER = 8, PRIOR = 16, LEFT_OUT = 32 };
 
 enum {
@@ -49,7 +49,7 @@ static int is_refused(rigcal_status status)
     return status < 0 || status == RIGCAL_DISCONNECTED;
 }
 
-/* What is asked after the adjustment. */
+/* Calls the functions for an adjusted rig. */
 static void check_covariances(fuzz_rig *made, rigcal_real sigma_px)
 {
     rigcal_rig *rig = &made->rig;
@@ -174,7 +174,8 @@ static void check_intrinsics(fuzz_rig *made, rigcal_real sigma_px, fuzz_bytes *b
     made->rig.intrinsics_sigmas = NULL;
 }
 
-/* The same bits come out whatever the budgets. `before` is the rig as it was. */
+/* The bits of the result must not depend on the budgets. `before` is the rig before the
+ * call. */
 static void check_steps(const fuzz_rig *made, fuzz_rig *before, rigcal_status expected,
                         const rigcal_rig_fit *fit, fuzz_budget budget)
 {

@@ -1,11 +1,11 @@
-/* The camera model: any intrinsics, pixels and points. */
+/* The camera model, with any intrinsics, pixels and points. */
 #include <float.h>
 #include <math.h>
 #include <string.h>
 
 #include "fuzz.h"
 
-/* The manual states the accuracy of a ray for images and focal lengths of up to so many
+/* The manual states the accuracy of a ray for images and focal lengths up to this many
  * pixels. */
 #define PIXELS_STATED 4000
 
@@ -18,7 +18,7 @@ static int is_small(const rigcal_camera *camera, const rigcal_real uv[2])
            fabs((double)camera->cy) <= PIXELS_STATED;
 }
 
-/* A pixel's ray: a unit vector which projects to that pixel. */
+/* The ray of a pixel must be a unit vector that projects to that pixel. */
 static void check_ray(const rigcal_camera *camera, const rigcal_real uv[2])
 {
     rigcal_real ray[3], back[2];
@@ -51,7 +51,7 @@ static void check_ray(const rigcal_camera *camera, const rigcal_real uv[2])
     }
 }
 
-/* The ray of a projection is the point's own, or there is none. */
+/* The ray of a projection must be the direction of the point, or there is none. */
 static void check_projection(const rigcal_camera *camera, const rigcal_real X[3])
 {
     rigcal_real uv[2], ray[3];
@@ -71,13 +71,13 @@ static void check_projection(const rigcal_camera *camera, const rigcal_real X[3]
     if (is_small(camera, uv) && sizeof(rigcal_real) == 8 && camera->fx > 100 &&
         camera->fy > 100 && length > DBL_MIN / DBL_EPSILON &&
         rigcal_camera_ray(ray, camera, uv) == RIGCAL_OK) {
-        for (i = 0; i < 3; i++) { /* near a fold two rays have nearly one pixel */
+        for (i = 0; i < 3; i++) { /* near a fold two rays have nearly the same pixel */
             PROMISE(fabs((double)ray[i] - (double)X[i] / length) < 1e-3);
         }
     }
 }
 
-/* How far the pixel moves when the straight one does by a part of 1e-13. */
+/* How far the pixel moves if the undistorted pixel moves by a part of 1e-13. */
 static double moves_by(const rigcal_camera *camera, const rigcal_real straight[2],
                        const rigcal_real uv[2])
 {
@@ -91,7 +91,7 @@ static double moves_by(const rigcal_camera *camera, const rigcal_real straight[2
                : INFINITY;
 }
 
-/* Without distortion and back, in double. */
+/* Removes the distortion and adds it again, in double. */
 static void check_undistortion(const rigcal_camera *camera, const rigcal_real uv[2])
 {
     rigcal_real straight[2], back[2];

@@ -1,5 +1,6 @@
-/* The command line's reader of CSV files: any bytes. It ends the program with a message, or
- * hands over tables that can be used. Here it returns to the harness in place of ending. */
+/* The command line's reader of CSV files, with any bytes. It ends the program with a
+ * message, or returns tables that can be used. Here the end of the program returns to the
+ * harness. */
 #define _XOPEN_SOURCE 700
 
 #include <math.h>
@@ -20,7 +21,7 @@ __attribute__((noreturn)) static void fuzz_exit(int status)
     longjmp(ended, status + 1);
 }
 
-/* The only path that is read as something else: cameras for observations to name. */
+/* The only path that is not read from the bytes: the cameras that observations refer to. */
 static char CAMERAS[] = "camera,width,height,fx,fy,cx,cy\ncam,640,480,500,500,320,240\n";
 
 static FILE *fuzz_open(const char *path)
@@ -49,7 +50,7 @@ static int fuzz_close(FILE *file)
 #include "../../examples/cli_csv.c"
 #undef fclose
 
-/* What the program does when it ends. */
+/* Replaces the end of the program. */
 static void end(void)
 {
     free_blocks();

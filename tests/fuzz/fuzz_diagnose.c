@@ -1,4 +1,5 @@
-/* Which point is to blame, and what is wrong with a view: any view and options. */
+/* The search for a wrong point and for what is wrong with a view, with any view and
+ * options. */
 #include <math.h>
 #include <string.h>
 

@@ -1,4 +1,4 @@
-/* Points, matching lines, bands, spans, transfer: any cameras, poses, pixels. */
+/* Points, matching lines, bands, spans and transfer, with any cameras, poses and pixels. */
 #include <math.h>
 #include <string.h>
 
@@ -6,7 +6,7 @@
 
 enum { CAMERAS_MOST = 3, UNKNOWNS = 6 * (CAMERAS_MOST - 1), CURVE_MOST = 6 };
 
-/* What every kind starts from. */
+/* The input that every kind of call starts from. */
 typedef struct {
     size_t n; /* cameras */
     rigcal_camera cameras[CAMERAS_MOST];
@@ -132,14 +132,14 @@ static void check_lines(const scene *s)
 
 /* ---- points ------------------------------------------------------------------- */
 
-/* A calibrated rig of these cameras: the first is held, the rest have variances. */
+/* A calibrated rig of these cameras: the first is held, the others have variances. */
 typedef struct {
     rigcal_mounted_camera cameras[CAMERAS_MOST];
     int32_t group[CAMERAS_MOST];
     uint8_t held[CAMERAS_MOST];
     rigcal_real Sigma[RIGCAL_CALIBRATED_SIZE(CAMERAS_MOST - 1)];
     rigcal_calibrated_rig rig;
-    int has_covariance; /* Sigma is one: no correlations */
+    int has_covariance; /* Sigma is a covariance without correlations */
 } calibrated;
 
 static void make_calibrated(calibrated *c, const scene *s, fuzz_bytes *bytes)
@@ -320,17 +320,17 @@ static void check_band(const scene *s, fuzz_bytes *bytes)
     }
 }
 
-/* The manual promises no more than: half the width of a band is below this part of a focal
- * length, the lens is decentered by this at most, and shrinks no area to less than this
- * part of fx fy; and no border of the image is farther from its centre than so many focal
- * lengths. */
+/* The manual promises results only within these limits: half the width of a band is below
+ * this part of a focal length; the lens is decentered by at most this, and shrinks no area
+ * to less than this part of fx fy; no border of the image is farther from its centre than
+ * this many focal lengths. */
 enum { NARROW = 50 };
 #define DECENTERED 0.05
 #define SHRUNK 0.25
 #define FOCALS 10
 
 /* Whether no border of the image is farther from its centre than FOCALS focal lengths, and
- * the lens shrinks nothing to SHRUNK, at 17 x 17 places. */
+ * the lens shrinks no area to SHRUNK, at 17 x 17 places. */
 static int is_gentle(const rigcal_camera *camera)
 {
     enum { STEPS = 16 };
@@ -358,7 +358,7 @@ static int is_gentle(const rigcal_camera *camera)
     return 1;
 }
 
-/* A pixel whose centre the test finds inside is in a span of its row. */
+/* A pixel whose centre the test of a candidate accepts must be in a span of its row. */
 static void check_pixel(const rigcal_band *band, rigcal_spans_solver *solver, int32_t u,
                         int32_t v)
 {
@@ -384,8 +384,8 @@ static void check_pixel(const rigcal_band *band, rigcal_spans_solver *solver, in
     PROMISE(!is_missed);
 }
 
-/* A unit near a fold of the lens may take a thousand times as long: there the search is
- * given up after so many. */
+/* A unit near a fold of the lens may take a thousand times as long. The search is ended
+ * there after this many units. */
 enum { UNITS_OF_FOLDED = 100 };
 
 static void check_spans(const scene *s, fuzz_bytes *bytes)

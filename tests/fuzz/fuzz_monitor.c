@@ -1,4 +1,4 @@
-/* The monitor: any calibrated rig, then any sequence of calls. */
+/* The monitor, with any calibrated rig and any sequence of calls. */
 #include <math.h>
 #include <string.h>
 
@@ -50,7 +50,7 @@ static void read_rig(calibrated *c, size_t n, fuzz_bytes *bytes)
     c->rig.sigma_px = fuzz_real(bytes);
 }
 
-/* A failed call changes nothing. */
+/* A copy of the memory: a call that failed must change nothing. */
 static rigcal_real saved[SIZE];
 
 static void check_call(rigcal_status status, const rigcal_real monitor[])
@@ -96,7 +96,8 @@ static rigcal_status end_frame(rigcal_real monitor[], fuzz_bytes *bytes)
     return status;
 }
 
-/* As good as what was handed in, which may be off by 1e-6 / 1e-3. */
+/* Whether a transform is as rigid as the input, which may be wrong by 1e-6 (float:
+ * 1e-3). */
 static int is_rigid(const rigcal_transform *b_from_a)
 {
     return fuzz_is_rotation(b_from_a->R, FUZZ_TOL(1e-5, 1e-2)) &&
@@ -186,7 +187,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     }
     for (calls = 0; calls < CALLS_MOST && !fuzz_is_empty(&bytes); calls++) {
         memcpy(saved, monitor, sizeof saved);
-        if (fuzz_below(&bytes, 64) == 63) { /* altered memory is refused, or harmless */
+        if (fuzz_below(&bytes, 64) == 63) { /* altered memory must be refused, or do no
+                                               harm */
             ((uint8_t *)monitor)[fuzz_word(&bytes) % sizeof monitor] ^= fuzz_byte(&bytes);
             (void)one_call(monitor, n_cameras, &bytes);
             return 0;

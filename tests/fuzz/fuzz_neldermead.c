@@ -1,4 +1,4 @@
-/* Nelder-Mead on costs that the bytes make: quadratic at first, then any number. */
+/* Nelder-Mead on costs made from the bytes: quadratic at first, then any numbers. */
 #include <math.h>
 #include <string.h>
 
@@ -61,7 +61,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
             status == RIGCAL_ERR_NOT_FINITE);
     if (status >= 0) {
         PROMISE(evals == told && cost >= least);
-        /* The best of all that were told, unless the evaluations ended at a reflection. */
+        /* The result must be the best of all costs, unless the evaluations ended at a
+         * reflection. */
         PROMISE(cost <= least || status == RIGCAL_BUDGET_SPENT);
     } else {
         PROMISE(!isfinite(least));

@@ -1,4 +1,4 @@
-/* Bearings, pairs, elimination and the published procedure: any view and options. */
+/* Bearings, pairs, elimination and the published procedure, with any view and options. */
 #include <math.h>
 #include <string.h>
 
@@ -6,7 +6,7 @@
 
 enum { POINTS_MOST = 12, PAIRS_MOST = 80 };
 
-/* What is computed from one pair, at any place. */
+/* Checks what is computed from one pair, at any angles. */
 static void check_equations(const rigcal_pair pairs[], size_t n_pairs,
                             const rigcal_real x[9], int32_t eliminated, int32_t pairs_used)
 {
@@ -120,7 +120,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     if (status < 0) {
         return 0;
     }
-    if (is_odd) { /* rays of any numbers */
+    if (is_odd) { /* rays with any numbers */
         fuzz_reals(bearings[view.n / 2].ray, 3, &bytes);
     }
     MARK(pairs);

@@ -1,4 +1,4 @@
-/* The pose of one view, and of a tag: any view, options and budgets. */
+/* The pose of one view, and of a tag, with any view, options and budgets. */
 #include <math.h>
 #include <string.h>
 
@@ -6,8 +6,8 @@
 
 enum { POINTS_MOST = 20, POSES_MOST = 8 };
 
-/* What the manual says of every pose that is returned. `unseen`: a point that the lens
- * images no ray of, or -1. */
+/* Checks what the manual promises of every pose. `unseen` is a point for whose pixel the
+ * lens images no ray, or -1. */
 static void check_poses(const rigcal_pose poses[], size_t n_found, const rigcal_view *view,
                         int32_t unseen)
 {
@@ -53,7 +53,7 @@ static void check_covariance(const rigcal_view *view,
     }
 }
 
-/* The same bits come out whatever the budgets. */
+/* The bits of the result must not depend on the budgets. */
 static void check_steps(rigcal_status expected, const rigcal_pose poses[], size_t n_found,
                         const rigcal_view *view, const rigcal_pose_options *options,
                         fuzz_budget budget)
@@ -124,7 +124,7 @@ static void solve_tag(fuzz_bytes *bytes)
     PROMISE_UNTOUCHED(status, n_found);
     PROMISE(at_fault >= -1 && at_fault < 4);
     for (k = 0; status >= 0 && k < n_found; k++) {
-        /* It sees the front: the tag's z axis points to the side where the camera is. */
+        /* The camera must see the front: the tag's z axis points to its side. */
         const rigcal_transform *cam_from_tag = &poses[k].cam_from_world;
         double towards = 0;
         int i;

@@ -1,4 +1,4 @@
-/* The join, the graph, the choice, the judgement and its causes: any views. */
+/* The join, the graph, the choice, the judgement and its causes, with any views. */
 #include <math.h>
 #include <string.h>
 
@@ -113,7 +113,7 @@ static void check_judgement(fuzz_rig *made, fuzz_bytes *bytes, fuzz_budget budge
     for (i = 0; i < rig->n_views; i++) {
         PROMISE(takes[i] <= RIGCAL_TAKES_NONE);
     }
-    /* The same in steps, from the same rig. */
+    /* The same in steps must change the rig in the same way. */
     memcpy(made->cams_from_rig, other.cams_from_rig, sizeof other.cams_from_rig);
     memcpy(other.cams_from_rig, rig->cams_from_rig, sizeof other.cams_from_rig);
     stepped = rigcal_choose_begin(&solver, &choice, rig);

@@ -4,7 +4,7 @@
 
 static const rigcal_transform IDENTITY = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
 
-/* The best pose of a view, and the second one if there is one. */
+/* Finds the best pose of a view, and the second one if there is one. */
 static int solve(fuzz_rig *made, size_t index)
 {
     const rigcal_rig_view *view = &made->views[index];

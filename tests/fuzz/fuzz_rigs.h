@@ -1,4 +1,5 @@
-/* fuzz_rigs.h - a small rig made of bytes: cameras, placements, views with their poses. */
+/* fuzz_rigs.h - a small rig made from bytes: cameras, placements, views with their
+ * poses. */
 #ifndef FUZZ_RIGS_H
 #define FUZZ_RIGS_H
 
@@ -25,11 +26,11 @@ typedef struct fuzz_rig {
     rigcal_rig rig;
 } fuzz_rig;
 
-/* Cameras and views from the bytes, the pose of each view by rigcal_pose_solve. Views
- * without a pose are left out. Returns 0 if no view is left. */
+/* Reads cameras and views from the bytes, and finds the pose of each view by
+ * rigcal_pose_solve. Views without a pose are left out. Returns 0 if no view is left. */
 int fuzz_rig_read(fuzz_rig *made, fuzz_bytes *bytes);
 
-/* After a function that writes the rig's poses: all are rigid. */
+/* After a function that writes the rig's poses, all must be rigid. */
 void fuzz_rig_check(const rigcal_rig *rig);
 
 #endif /* FUZZ_RIGS_H */

@@ -1,4 +1,4 @@
-/* The robust pose: any view, options and budgets. */
+/* The robust pose, with any view, options and budgets. */
 #include <math.h>
 #include <string.h>
 
@@ -22,7 +22,7 @@ static void read_options(rigcal_robust_options *options, fuzz_bytes *bytes)
         options->seed = fuzz_word(bytes);
         options->max_units = (int32_t)fuzz_word(bytes);
     }
-    if (options->samples > SAMPLES_MOST) { /* one input is to take little time */
+    if (options->samples > SAMPLES_MOST) { /* limits the time of one input */
         options->samples = options->samples % SAMPLES_MOST + 1;
     }
 }
@@ -50,7 +50,7 @@ static void check_answer(const answer *found, const rigcal_view *view)
     PROMISE(fabs(sum - 1) < FUZZ_TOL(1e-12, 1e-5));
 }
 
-/* Units of the search for a pose of the points that agree, before and after it. */
+/* Units of the search for a pose of the points that agree: before and after the search. */
 enum {
     SETTLE_MOST = 17,
     DECIDE_MOST = 9,
@@ -58,7 +58,8 @@ enum {
     SEARCH_MOST = 2000 + 9 * POINTS_MOST
 };
 
-/* The same bits come out whatever the budgets, and in no more units than promised. */
+/* The bits of the result must not depend on the budgets, and the number of units must be as
+ * promised. */
 static rigcal_status solve_in_steps(answer *found, const rigcal_view *view,
                                     const rigcal_robust_options *options,
                                     fuzz_budget budget)
@@ -109,7 +110,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     PROMISE(at_fault >= -1 && at_fault < (int32_t)view.n + (view.n == 0));
     if (status >= 0) {
         check_answer(&found, &view);
-    } else { /* inliers hold nothing of use then */
+    } else { /* the contents of `inliers` mean nothing then */
         PROMISE(IS_MARKED(found.poses));
         PROMISE(IS_MARKED(found.n_found));
         PROMISE(IS_MARKED(found.n_inliers));

@@ -1,4 +1,4 @@
-/* Rotations and transforms: any numbers. */
+/* Rotations and transforms, with any numbers. */
 #include <math.h>
 #include <string.h>
 
@@ -6,7 +6,7 @@
 
 #define TOLERANCE FUZZ_TOL(1e-12, 1e-5)
 
-/* R is a rotation, and its three other forms lead back to it. */
+/* R must be a rotation, and its three other forms must give it again. */
 static void check_forms(const rigcal_real R[9])
 {
     rigcal_real ypr[3], w[3], q[4], back[9], angle;
@@ -16,7 +16,8 @@ static void check_forms(const rigcal_real R[9])
     PROMISE(rigcal_rotation_from_yaw_pitch_roll(back, ypr) == RIGCAL_OK);
     PROMISE(rigcal_rotation_angle(&angle, back, R) == RIGCAL_OK);
     PROMISE(angle >= 0 &&
-            angle < FUZZ_TOL(1e-7, 2e-3)); /* at gimbal lock, its square root */
+            angle < FUZZ_TOL(1e-7, 2e-3)); /* at gimbal lock an error is as large as its
+                                              square root */
     PROMISE(rigcal_vector_from_rotation(w, R) == RIGCAL_OK);
     PROMISE(rigcal_rotation_from_vector(back, w) == RIGCAL_OK);
     PROMISE(rigcal_rotation_angle(&angle, back, R) == RIGCAL_OK);
@@ -90,7 +91,8 @@ static void combine(fuzz_bytes *bytes)
                             fabs((double)c_from_b.t[1]) + fabs((double)c_from_b.t[2]);
         int i;
 
-        for (i = 0; i < 3; i++) { /* rotations are right to 1e-6 / 1e-3, or are made so */
+        for (i = 0; i < 3; i++) { /* rotations must be right to 1e-6 (float: 1e-3), or are
+                                     corrected here */
             PROMISE(fabs((double)X_c[i] - (double)one[i]) <= FUZZ_TOL(1e-5, 1e-2) * size);
         }
     }

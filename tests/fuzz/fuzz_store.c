@@ -1,4 +1,4 @@
-/* Stored calibrations: any bytes, and any cameras. */
+/* Stored calibrations, from any bytes and of any cameras. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -6,7 +6,7 @@
 
 enum { CAMERAS_MOST = 8, FREE_MOST = 8, BYTES_MOST = 16384 };
 
-/* The two sums of the stored form (DESIGN.md, "Stored calibration"): where they stand. */
+/* The places of the two checksums in the stored form (examples/data/FORMAT.md). */
 enum { HEADER = 32, CRC_OF_BODY = 24, CRC_OF_HEADER = 28 };
 
 static uint32_t crc32(const uint8_t bytes[], size_t n)
@@ -33,7 +33,8 @@ static void put(uint8_t bytes[], uint32_t word)
     }
 }
 
-/* Damage would be refused before anything else is read: both sums are made right. */
+/* Corrects both checksums. Otherwise damage would be refused before anything else is
+ * read. */
 static void seal(uint8_t bytes[], size_t n)
 {
     if (n >= HEADER) {
@@ -75,7 +76,7 @@ static void check_cameras(const rigcal_mounted_camera cameras[], size_t n)
     }
 }
 
-/* What was accepted can be saved; loaded again it is the same, bit for bit. */
+/* A calibration that was loaded must be saved and loaded again with the same bits. */
 static void check_round_trip(const loaded *first, const rigcal_saved_info *info)
 {
     static uint8_t bytes[BYTES_MOST], again[BYTES_MOST];
@@ -109,7 +110,8 @@ static void check_round_trip(const loaded *first, const rigcal_saved_info *info)
 
 static void load(const uint8_t data[], size_t size, int is_sealed)
 {
-    uint8_t *bytes = malloc(size + 1); /* to the byte: one behind the end is found */
+    uint8_t *bytes = malloc(size + 1); /* exactly this size, so that an access after the end
+                                          is found */
     rigcal_mounted_camera cameras[CAMERAS_MOST];
     rigcal_saved_info info, other;
     rigcal_status told, status;

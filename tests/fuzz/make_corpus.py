@@ -30,7 +30,7 @@ def table(path: pathlib.Path) -> list[dict[str, str]]:
 
 
 def camera(row: dict[str, str]) -> bytes:
-    """As fuzz_camera reads it."""
+    """A camera in the order in which fuzz_camera reads it."""
     coefficients = [float(row.get(name) or 0) for name in COEFFICIENTS]
     while coefficients and coefficients[-1] == 0:
         coefficients.pop()
@@ -43,12 +43,13 @@ def camera(row: dict[str, str]) -> bytes:
 
 
 def identity() -> bytes:
-    """A transform, as fuzz_transform reads it: no turn, one unit ahead."""
+    """A transform in the order in which fuzz_transform reads it: no rotation, one unit
+    ahead."""
     return b"\0" + reals(0, 0, 0) + reals(0, 0, 1)
 
 
 class Rig:
-    """One of examples/data, cut down to few points."""
+    """A rig of examples/data with fewer points."""
 
     def __init__(self, name: str, n_points: int) -> None:
         folder = ROOT / "examples" / "data" / name
@@ -64,12 +65,12 @@ class Rig:
         return b"".join(reals(*(float(row[x]) for x in "XYZuv")) for row in rows)
 
     def view(self, key: tuple[str, str]) -> bytes:
-        """As fuzz_view reads it, without sigma."""
+        """A view in the order in which fuzz_view reads it, without sigma."""
         rows = self.views[key]
         return camera(self.cameras[key[1]]) + bytes([len(rows), 0]) + self.observations(rows)
 
     def shared(self, n_cameras: int, n_frames: int) -> tuple[list[str], list[str]]:
-        """Cameras, and frames that most of them see."""
+        """Some cameras, and frames that most of them saw."""
         names = list(self.cameras)[:n_cameras]
         frames = list(dict.fromkeys(frame for frame, _ in self.views))
         frames.sort(key=lambda f: -sum((f, name) in self.views for name in names))
@@ -118,7 +119,7 @@ def rotation(rig: Rig) -> list[bytes]:
 
 
 def posed(rig: Rig) -> list[tuple[str, bytes]]:
-    """Each camera with a pose: side by side."""
+    """Each camera with a pose, side by side."""
     return [
         (name, camera(row) + b"\0" + reals(0, 0.02 * i, 0) + reals(-0.1 * i, 0, 0))
         for i, (name, row) in enumerate(rig.cameras.items())
@@ -136,7 +137,8 @@ def measure(rig: Rig) -> list[bytes]:
 
 
 def stored(rig: Rig, form: int, real: str) -> bytes:
-    """A stored calibration (DESIGN.md, "Stored calibration"). The harness makes its sums."""
+    """A stored calibration (examples/data/FORMAT.md). The harness computes its
+    checksums."""
     rows, size = list(rig.cameras.values())[:3], struct.calcsize(real)
     body = b""
     if form == 2:

@@ -1,8 +1,8 @@
 #!/bin/sh
 # The fuzz harnesses, with the address and undefined-behaviour sanitizers.
 #
-#   sh tests/fuzz/run.sh                   each from the corpus in double: so many inputs, always
-#                                          the same; a step of CI
+#   sh tests/fuzz/run.sh each from the corpus in double, with the same inputs each time; a
+#                                          step of CI
 #   sh tests/fuzz/run.sh float             the same in float
 #   sh tests/fuzz/run.sh msan              the inputs found so far, under the memory sanitizer
 #   sh tests/fuzz/run.sh campaign SECONDS [HARNESS...]
@@ -49,7 +49,7 @@ esac
 mkdir -p "$build"
 flags="-std=c99 -g -O1 -Wall -Wextra -Werror -fno-sanitize-recover=all -Iinclude -Iexamples $defines"
 
-# Objects are made anew where a source or a header is newer.
+# The objects are built again if a source or a header is newer.
 newest=$(find src include -type f -newer "$build/library.a" 2>/dev/null || echo none)
 if [ -n "$newest" ]; then
     printf '%s\n' src/*.c | xargs -P "${CMAKE_BUILD_PARALLEL_LEVEL:-2}" -I{} sh -c '
@@ -58,7 +58,7 @@ if [ -n "$newest" ]; then
     rm -f "$build/library.a"
     ar rcs "$build/library.a" "$build"/rigcal_*.o
 fi
-# CI begins from the same inputs each time, whatever campaigns have found.
+# In CI the inputs are the same each time, whatever campaigns have found.
 case $what in
 double | float)
     corpus=$build/corpus
@@ -69,7 +69,7 @@ esac
 mkdir -p "$corpus"
 /usr/bin/python3 tests/fuzz/make_corpus.py "$corpus"
 
-# The inputs of a harness in CI: some 3 seconds on an idle core.
+# The number of inputs of a harness in CI: about 3 seconds on an idle core.
 runs_of() {
     case $1 in
     camera | rotation | neldermead) echo 150000 ;;
@@ -79,7 +79,7 @@ runs_of() {
     esac
 }
 
-# Of what libFuzzer prints at the end of `log`: the number after the name $1.
+# The number after the name $1 in what libFuzzer prints at the end of `log`.
 figure() {
     sed -n "s/^stat::$1: *//p" "$log"
 }
@@ -87,7 +87,7 @@ figure() {
 run() {
     log=$build/$1.log
     program=$build/fuzz_$1
-    # The reader is a part of the command line, which fuzz_csv.c includes.
+    # The reader is a part of the command line, and fuzz_csv.c includes it.
     case $1 in
     csv) others="examples/cli_input.c examples/cli_names.c examples/cli_foreign.c examples/cli_os.c" ;;
     *) others=tests/fuzz/fuzz_rigs.c ;;

@@ -32,13 +32,13 @@ GATE = pathlib.Path("tests/gate/gate.c")
 DOCUMENT = ROOT / "CONSTANTS.md"
 FLAGS = ["-O1", "-std=c99", "-ffp-contract=off", "-DRIGCAL_BUILD",
          "-DRIGCAL_CONFIG_FILE=<count_hooks.h>"]
-SAMPLE, SEED = 6, 20  # constants that --check changes; which ones
+SAMPLE, SEED = 6, 20  # How many constants --check changes, and which.
 JOBS = 2
 LIMIT = 120  # seconds of a run of the gate, after which it hangs
 
-# Not noticed when halved or doubled, and why that does no harm.
+# Constants whose change is not noticed, and why that does no harm.
 HARMLESS = {
-    "adjust.RANK_TOL": "rounding: of a smaller pivot nothing but rounding is left either",
+    "adjust.RANK_TOL": "rounding: a smaller pivot is nothing but rounding too",
     "grow.SURE_LEAST": "a guard: with half of it one placement by chance would do",
     "grow.SURE_RUNG": "a guard: no pair of the scenes is sure by chance at a higher rung",
     "adjust.PASSES_MAX": "it bounds the worst case: no scene takes over 51",
@@ -60,7 +60,8 @@ HARMLESS = {
     "triangulate.RC_TRIANGULATION_EVALS": "it bounds the worst case: no scene takes over 25",
 }
 
-# Numbers outside the blocks that decide nothing: a file, a pattern of the line, what it is.
+# Numbers outside the blocks that decide nothing: the file, a pattern of the line, what the
+# number is.
 FACTS = [
     ("rc_real.h", r"RC_EPS \w+_EPSILON", "the type's own rounding"),
     ("rc_real.h", r"RC_PI RC\(3\.14", "pi"),
@@ -101,13 +102,14 @@ FACTS = [
     ("rigcal_seeds.c", r"GOLDEN\[2\] = ", "the golden angle"),
     ("rigcal_bytes.c", r"DROPPED = 52 - 23", "the form of IEEE numbers"),
     ("rigcal_direction.c", r"EXTENT_LEAST \* RC_EPS", "rounding squared"),
+    ("rigcal_pairs.c", r"PAIRS_LEAST = 3", "a pair for each unknown angle"),
     ("rigcal_pairs.c", r"size \* RC_EPS <= RC_SHAPE_ROUNDING", "rounding of a coordinate"),
     ("rigcal_points.c", r"\* RC_EPS <= RC_SHAPE_ROUNDING", "rounding of a coordinate"),
 ]
 
 
 class Constant:
-    """One constant: where it stands, and its parts."""
+    """One constant: its place, and its parts."""
 
     def __init__(self, path, name, value, unit, why, span):
         self.path, self.name, self.value = path, name, value
@@ -131,7 +133,7 @@ ENTRY = re.compile(
 
 
 def read(path):
-    """The constants of a file, where their block ends, and what is wrong with it."""
+    """The constants of a file, the end of their block, and what is wrong with it."""
     text = path.read_text()
     heading = HEADING.search(text)
     if heading is None:
@@ -147,7 +149,7 @@ def read(path):
         name = entry["macro"] or entry["name"]
         unit, colon, why = comment.partition(": ")
         if not colon:
-            break  # a comment of what follows the block
+            break  # this comment belongs to what follows the block
         if len(unit) > 60 or len(why) < 8:
             wrong.append(f"{path.name}: {name}: no unit, or no reason")
         kind = "macro_value" if entry["macro"] else "name_value"
@@ -168,12 +170,12 @@ def all_constants():
         found, block, complaints = read(path)
         constants += found
         wrong += complaints + strays(path, block)
-    # A header's and its source's together.
+    # The constants of a header and of its source together.
     return sorted(constants, key=lambda c: c.layer), wrong
 
 
-# Decision numbers: a float that is not 0, 1, 2 or a half; a multiple of rounding; a name
-# that gets a number.
+# Numbers that decide something: a float that is not 0, 1, 2 or a half; a multiple of
+# rounding; a named number.
 STRAYS = [
     re.compile(r"RC\((?!-?(?:0|1|2|3|0\.5|-0\.5)\))-?\d[\d.e+-]*\)"),
     re.compile(r"\bRC_EPS\b"),
@@ -184,7 +186,7 @@ STRAYS = [
 
 
 def strays(path, block):
-    """Numbers that decide something and stand outside the block."""
+    """Finds numbers that decide something and stand outside the block."""
     text = path.read_text()
     text = text[:block[0]] + re.sub(r"[^\n]", "", text[block[0]:block[1]]) + text[block[1]:]
     text = re.sub(r"/\*.*?\*/", lambda m: re.sub(r"[^\n]", "", m[0]), text, flags=re.S)
@@ -201,7 +203,7 @@ def strays(path, block):
 
 
 class Bench:
-    """The library and the gate, compiled once; then one file again for each change."""
+    """Compiles the library and the gate once. After a change one file is compiled again."""
 
     def __init__(self, folder, real):
         self.folder = pathlib.Path(folder) / real
@@ -232,18 +234,20 @@ class Bench:
                     if not line.startswith("stack."))
 
     def changed(self, constant, by):
-        """The counters that differ, {name: (expected, seen)}, with the constant changed."""
+        """The counters that differ after the change of a constant: {name: (expected,
+        seen)}."""
         with tempfile.TemporaryDirectory(dir=self.folder) as work:
             work = pathlib.Path(work)
             text = constant.path.read_text()
             begin, end = constant.span
-            # The value alone, for it may be an enum's.
+            # the value alone, because it may be that of an enum
             value = f"(({constant.value}) {by})"
             text = text[:begin] + value + text[end:]
             objects = dict(self.objects)
             (work / "src").mkdir()
             if constant.path.suffix == ".h":
-                for path in sources():  # includes in "" look in the includer's folder first
+                for path in sources():  # an include in "" is searched first in the folder
+                                        # of the includer
                     shutil.copy(path, work / "src")
                 (work / "src" / constant.path.name).write_text(text)
                 for path in self.files:
@@ -271,7 +275,7 @@ def number(text):
 
 
 def tell(expected, changes):
-    """What a change does, in a few words."""
+    """A change of counters in a few words."""
     if not changes:
         return "nothing"
     if "hangs" in changes:
@@ -309,8 +313,8 @@ WAYS = ("/ 2", "* 2")
 
 
 def measure(benches, constants):
-    """{key: [halved, doubled]}: what the gate notices, in words. In float, what it does not
-    notice in double."""
+    """{key: [halved, doubled]}: what the gate notices, in words. If it notices nothing in
+    double, what it notices in float."""
     told = {c.key: ["nothing", "nothing"] for c in constants}
     for real, bench in benches.items():
         with concurrent.futures.ThreadPoolExecutor(JOBS) as pool:

@@ -65,7 +65,7 @@ static void line(const char *name, const char *format, ...)
     }
 }
 
-/* What became of the scenes of a group. */
+/* Counts for the scenes of a group. */
 typedef struct {
     const char *name;
     long statuses[64], misses, wrong_ok, found, steps;
@@ -111,8 +111,8 @@ static rigcal_status count(tally *t, rigcal_status status)
     return status;
 }
 
-/* The largest x, between low and high, for which `holds`, which holds for low and not for
- * high; to three digits. Bisection of the logarithm. */
+/* The largest x between low and high for which `holds` is true, to three digits. It must be
+ * true for low and false for high. Bisection of the logarithm. */
 typedef int (*predicate)(double x);
 
 static void edge(const char *name, predicate holds, double low, double high)
@@ -154,7 +154,7 @@ static double normal(void)
     return sum;
 }
 
-/* 10^-k, k anything from 0 to most, without a logarithm. */
+/* 10^-k for a random k between 0 and `most`, without a logarithm. */
 static double small(int most)
 {
     double x = uniform(0.1, 1);
@@ -183,7 +183,7 @@ static void random_rotation(double R[9])
     rotation_of(R, q);
 }
 
-/* A turn whose half angle has the tangent `tangent`, about any axis, before R. */
+/* Turns R by an angle whose half has the tangent `tangent`, about a random axis. */
 static void turn_by(double R[9], double tangent)
 {
     double v[3] = {normal(), normal(), normal() + 1e-9}, T[9], out[9];
@@ -224,7 +224,7 @@ static rigcal_transform identity(void)
     return transform_of(R, t);
 }
 
-/* By the formulas of rigcal.h. 0: not in front. */
+/* The pixel by the formulas of rigcal.h. Returns 0 if the point is not in front. */
 static int project(double uv[2], const rigcal_camera *c, const double X[3])
 {
     const double k1 = (double)c->k1, k2 = (double)c->k2, k3 = (double)c->k3;
@@ -312,7 +312,7 @@ static void point_of(double X[3], shape kind, int i)
     }
 }
 
-/* The pixels of the scene with its noise; 0: a point is behind the camera. */
+/* The noisy pixels of the scene. Returns 0 if a point is behind the camera. */
 static int observe(scene *s)
 {
     for (int i = 0; i < s->n; i++) {
@@ -333,7 +333,7 @@ static int observe(scene *s)
     return 1;
 }
 
-/* n points before a camera, `near` to `far` of their sizes away. */
+/* n points before a camera, at a distance of `near` to `far` of their size. */
 static void random_scene(scene *s, int n, shape kind, lens through, double sigma_px,
                          double near, double far)
 {
@@ -354,7 +354,7 @@ static void random_scene(scene *s, int n, shape kind, lens through, double sigma
     } while (!observe(s));
 }
 
-/* Points round a camera with a short focal length, all of them far off its axis. */
+/* Points all round a camera with a short focal length, all far off its axis. */
 static void scene_around(scene *s, int n, double sigma_px)
 {
     memset(s, 0, sizeof *s);
@@ -405,8 +405,8 @@ static double rotation_error(const double R[9], const rigcal_real seen[9])
     return sqrt(sum / 2);
 }
 
-/* Solves and judges: a miss is a scene whose pose is not among those found, a wrong OK one
- * whose first pose is another and said to be sure. */
+/* Solves and judges a scene. It is a miss if the true pose is not among those found, and a
+ * wrong OK if the first pose is wrong but said to be certain. */
 enum { WRONG_TENTHS = 3 }; /* of a radian */
 
 static rigcal_status solve(tally *t, const scene *s)
@@ -504,7 +504,7 @@ static void gate_wide(void)
     }
 }
 
-/* Points whose handedness was mistaken, and their like. */
+/* Points whose handedness was mistaken, and similar targets. */
 static void gate_mirrored(void)
 {
     tally t;
@@ -543,7 +543,7 @@ static rigcal_status solve_probed(const scene *s)
     return solve(&t, s);
 }
 
-/* The noise of `probed`, in pixels, until which the status is not `wanted`. */
+/* Whether the status is still `wanted` with this noise of `probed`, in pixels. */
 static int noise_is_below(double noise_px)
 {
     scene s = probed;
@@ -566,7 +566,7 @@ static int warm_is_kept(double noise_px)
         }
     }
     solve(&t, &s);
-    return t.steps < 12; /* a search takes more */
+    return t.steps < 12; /* a search would take more steps */
 }
 
 static int distance_is_clear(double z)
@@ -652,7 +652,7 @@ static void gate_robust(void)
     end(&t);
 }
 
-/* A point that is off until it disagrees: the threshold. */
+/* Whether a point that is off by this many pixels still agrees: the threshold. */
 static int agrees(double off_px)
 {
     scene s = probed;
@@ -683,7 +683,8 @@ static int samples_are_taken(double samples)
            RIGCAL_ERR_RANGE;
 }
 
-/* Seven points agree, three do not: how far off may the seven be, and not by chance? */
+/* Seven points agree, three do not. Whether the seven may be off by this much before chance
+ * explains them. */
 static int chance_is_below(double off_px)
 {
     scene s = probed;
@@ -704,7 +705,7 @@ static int chance_is_below(double off_px)
     return status != RIGCAL_ERR_NO_CONSENSUS && (wanted == 0 || status != RIGCAL_FEW_AGREE);
 }
 
-/* What a search spends by the defaults where nothing agrees. */
+/* Counts what a search with default options spends if no points agree. */
 static void search_of_nothing(const char *name)
 {
     static rigcal_robust_solver solver;
@@ -723,7 +724,7 @@ static void search_of_nothing(const char *name)
     line(name, "%d of %d, %ld units", (int)solver.tried, (int)solver.samples, steps);
 }
 
-/* Six of twenty points are right, and the others lie among them: a rival may be nearly as
+/* Six of twenty points are right. The others lie among them, so a rival may be nearly as
  * good. */
 static void gate_rivals(void)
 {
@@ -854,7 +855,7 @@ static void gate_diagnose(void)
     line("diagnose.units", "%ld", units);
 }
 
-/* Whether the point that is `off_px` off is blamed no more than `wanted`. */
+/* Whether a point that is off by `off_px` gets at most the blame `wanted`. */
 static int blame_is_below(double off_px)
 {
     scene s = probed;
@@ -980,7 +981,7 @@ static void gate_triangulate(void)
 
 enum { EYES = 20 };
 
-/* Cameras of a calibrated rig about the origin, the first held, and what they see. */
+/* The cameras of a calibrated rig about the origin, the first held, and what they see. */
 static struct {
     rigcal_mounted_camera cameras[EYES];
     int32_t group[EYES];
@@ -1013,7 +1014,8 @@ static void eyes_begin(int n)
     eyes.s.work_capacity = RIGCAL_POINT_WORK(EYES);
 }
 
-/* Camera i looks from 4 away, and sees the point X; of so many lenses. */
+/* Camera i sees the point X from a distance of 4. `lenses` says how many cameras have a
+ * lens. */
 static void eyes_see(int i, double along_arc, int lenses, const double X[3])
 {
     const double q[4] = {1, 0, along_arc, 0}, t[3] = {0, 0, 4};
@@ -1062,8 +1064,8 @@ static void gate_points(void)
     end(&t);
 }
 
-/* Two views, or three, the last off across its matching line by so many pixels: whether
- * they show one point; whether none is dropped. */
+/* Two or three views, of which the last is off across its matching line by this many
+ * pixels: the status says whether they show one point, and whether none is dropped. */
 static rigcal_status measure_off(int n, int keep_all, double px)
 {
     static const double X[3] = {0.1, 0.05, 0.1};
@@ -1088,8 +1090,8 @@ static int five_are_kept(double px)
     return measure_off(5, 0, px) != RIGCAL_VIEWS_LEFT_OUT;
 }
 
-/* Views of which one is so far from the point of the others, through a lens that turns
- * back: whether it is refused. */
+/* One view is this far from the point of the others, through a lens that folds: whether it
+ * is refused. */
 static int sight_is_proved(double off)
 {
     static const double X[3] = {0, 0, 0};
@@ -1106,7 +1108,7 @@ static int sight_is_proved(double off)
     return rc_sight_move(&v, &eyes.s, 0, there) == RIGCAL_OK;
 }
 
-/* How far rays of a mild lens are off, at most. */
+/* The largest errors of rays of a mild lens. */
 static void gate_sights(void)
 {
     static const double X[3] = {0, 0, 0};
@@ -1133,7 +1135,8 @@ static void gate_sights(void)
     line("point.ray", "%.1g", sqrt(most));
 }
 
-/* Rays from (0, 0, 0) and (1, 0, 0) that meet `range` away. */
+/* Whether the depths are known of rays from (0, 0, 0) and (1, 0, 0) that meet at the
+ * distance `range`. */
 static int depths_are_known(double range)
 {
     const rigcal_real a[3] = {0, 0, 1}, b[3] = {RC(-1 / range), 0, 1};
@@ -1161,7 +1164,8 @@ static int disparity_is_none(double disparity)
     return rigcal_depth_aligned(X, RC(1e-6), left, right) == RIGCAL_ERR_PARALLEL;
 }
 
-/* Two views whose depth hardly shows in the pixels: a focal length of so much along x. */
+/* Whether the pixels of two views fix a depth that they hardly show. `flat` is the focal
+ * length along x. */
 static int pixels_fix_depth(double flat)
 {
     rigcal_camera c[2] = {camera_of(PINHOLE, 800), camera_of(PINHOLE, 800)};
@@ -1315,7 +1319,7 @@ static void gate_rotations(void)
     edge("rotation.angle", angle_is_taken, 1, 1e12);
 }
 
-/* A rig before a target in several placements, some of which a camera does not see. */
+/* A rig before a target in several placements. One camera does not see some of them. */
 enum { RIG_CAMERAS = 4, RIG_PLACEMENTS = 6, RIG_VIEWS = RIG_CAMERAS * RIG_PLACEMENTS };
 
 typedef struct {
@@ -1348,7 +1352,7 @@ static void rig_begin(rig_scene *r, size_t n_cameras)
     r->rig.work_capacity = sizeof r->work / sizeof r->work[0];
 }
 
-/* Camera c sees placement f, R and t, from so far to the side. */
+/* Adds a view: camera c sees placement f, with R and t, from `aside` to the side. */
 static rigcal_status rig_add(rig_scene *r, int c, int f, const scene *placed)
 {
     static const double TANGENT[RIG_CAMERAS] = {0, 0.1, -0.15, 0.2};
@@ -1397,7 +1401,7 @@ static void random_rig(rig_scene *r, int n_cameras, double share, double sigma_p
     }
 }
 
-/* Camera 1 sees four points, off one line by so much. */
+/* Camera 1 sees four points that are off one line by `off`. */
 static int rig_is_degenerate(double off)
 {
     rig_scene *const r = &rig_probed;
@@ -1416,7 +1420,7 @@ static int rig_is_degenerate(double off)
     }
     const size_t before = r->rig.n_views;
     (void)rig_add(r, 1, 0, &placed);
-    if (r->rig.n_views == before) { /* there is no pose of it by itself */
+    if (r->rig.n_views == before) { /* no view of it has a pose */
         const rigcal_rig_view v = {view_of(&r->seen[before]), 1, 0, 0};
         r->views[before] = v;
         r->rig.n_views++;
@@ -1429,7 +1433,7 @@ static int rig_is_degenerate(double off)
     return rigcal_rig_adjust(&fit, NULL, &r->rig) == RIGCAL_ERR_DEGENERATE;
 }
 
-/* One point in five is off, by up to eight times the noise. */
+/* One point in five is wrong, by up to eight times the noise. */
 static void gate_wrong_points(void)
 {
     tally t;
@@ -1453,7 +1457,7 @@ static void gate_wrong_points(void)
     end(&t);
 }
 
-/* The turn about z that a deviation by so much has. */
+/* The step of a deviation that is a turn about z by this angle. */
 static double deviation_of(double turn)
 {
     const rigcal_transform from = identity();
@@ -1497,12 +1501,12 @@ static void gate_rigs(void)
     gate_wrong_points();
     edge("deviation.half", half_turn_has_no_axis, 1e-9, 0.5);
     line("deviation.far", "%.12g", deviation_of(3));
-    if (RIGCAL_USE_FLOAT) { /* in double rounding is not the same from line to line */
+    if (RIGCAL_USE_FLOAT) { /* in double the rounding differs from line to line */
         edge("rig.rank", rig_is_degenerate, 1e-7, 0.1);
     }
 }
 
-/* The pixels of view k, moved along its rows; its pose is then another. */
+/* Moves the pixels of view k along its rows. Its pose then differs. */
 static void shift_view(rig_scene *r, size_t k, double px)
 {
     scene *const s = &r->seen[k];
@@ -1516,7 +1520,7 @@ static void shift_view(rig_scene *r, size_t k, double px)
     }
 }
 
-/* All views joined, whatever is wrong with them. */
+/* Joins all views, whatever is wrong with them. */
 static rigcal_status judge(rig_scene *r)
 {
     memset(&r->choice, 0, sizeof r->choice);
@@ -1530,7 +1534,7 @@ static rigcal_status judge(rig_scene *r)
                                            &r->choice, &r->rig);
 }
 
-/* One view of 16 is off by so many pixels, and stays. */
+/* Whether one view of 16 that is off by this many pixels stays. */
 static int view_fits(double px)
 {
     rig_scene *const r = &rig_probed;
@@ -1567,7 +1571,7 @@ static void gate_judgements(void)
     edge("judge.px", view_fits, 0.1, 5);
 }
 
-/* Many cameras, two poses of each view: made by their poses alone. */
+/* Many cameras, and two poses of each view. The scene consists of poses alone. */
 enum { CHOICE_CAMERAS = 10, CHOICE_VIEWS = CHOICE_CAMERAS * RIG_PLACEMENTS };
 
 typedef struct {
@@ -1598,7 +1602,8 @@ static void choice_begin(choice_scene *r, size_t n_cameras)
     r->choice.takes = r->takes;
 }
 
-/* A view: its pose off by so many standard deviations, and another that is turned. */
+/* Adds a view. Its pose is off by a number of standard deviations, and another pose is
+ * turned. */
 static void choice_add(choice_scene *r, int c, int f, const rigcal_transform *truth,
                        double off, int is_wrong)
 {
@@ -1650,7 +1655,8 @@ static void random_choice(choice_scene *r, int n_cameras, double off, double wro
     }
 }
 
-/* Two placements, of which the second is off by so much [px], beside the noise of 1 px. */
+/* Whether two placements agree, if the second is off by this many pixels, with noise of 1
+ * px. */
 static int choice_agrees(double off)
 {
     choice_scene *const r = &choice_probed;
@@ -1734,7 +1740,8 @@ static void gate_lenses(void)
     end(&t);
 }
 
-/* A lens turns back where r = 1 / sqrt(3 * 0.2): a pixel so far beyond. */
+/* The pixel of this ray lies beyond the place where the lens folds, r = 1 / sqrt(3 *
+ * 0.2). */
 static double principal_point;
 
 static int pixel_has_ray(double beyond_px)
@@ -1758,7 +1765,7 @@ static void gate_lens_edges(void)
     line("points.negligible_far", "%.2e", (double)rc_negligible(1, RC(1e7)));
 }
 
-/* How wrong a series is: a fisheye's ray at the pixel of `theta`, and back. */
+/* The errors of the series: of a fisheye's ray at the pixel of `theta`, and back. */
 static void gate_series(void)
 {
     rigcal_camera camera = camera_of(FISHEYE, 100);
@@ -1796,13 +1803,13 @@ static int noise_is_believed(double sse)
     return rc_odds(0, RC(sse * sse), 0, 1, 7) < 2;
 }
 
-/* Half of all F of (n, n) degrees of freedom are below 1. */
+/* Whether half of all F of (n, n) degrees of freedom are below 1. */
 static int half_is_below_1(double n)
 {
     return fabs((double)rc_f_tail(1, RC(n), RC(n)) - 0.5) < ANY_OF(1e-6, 1e-2);
 }
 
-/* How many logarithms are the nearest number there is. */
+/* How many logarithms are rounded correctly. */
 static int nearest_logs(void)
 {
     int n = 0;
@@ -1852,7 +1859,7 @@ static void gate_paper(void)
         rigcal_bearing b[POINTS_MAX];
         size_t n_pairs = 0;
         random_scene(&s, 3 + i % 40, (shape)(i % SHAPES), PINHOLE, 0.2, 2, 8);
-        for (int k = 4; k < s.n && i % 3 == 2; k++) { /* all near to each other */
+        for (int k = 4; k < s.n && i % 3 == 2; k++) { /* these are all near to each other */
             for (int j = 0; j < 3; j++) {
                 s.X[k][j] = 0.01 * s.X[k][j];
             }
@@ -1956,7 +1963,7 @@ static int pair_is_unit(double more)
     return rigcal_pair_residual(&e, &p, T.R) == RIGCAL_OK;
 }
 
-/* Pairs whose equations of pitch differ by no more. */
+/* Pairs whose equations of pitch differ by no more than this. */
 static rigcal_status eliminate(double off, int32_t pairs_used)
 {
     rigcal_pair p[3];
@@ -1998,7 +2005,7 @@ static int spread_is_none(double off)
     return translate(off, 1) == RIGCAL_ERR_DEGENERATE;
 }
 
-/* u is 1 and 1 + off: of their deviations only the rounding counts. */
+/* The u of the rays are 1 and 1 + off. Only rounding is left of their deviations. */
 static int rays_differ_not(double off)
 {
     return translate(off, 0) == RIGCAL_ERR_DEGENERATE;
@@ -2149,7 +2156,7 @@ static void gate_levenberg(void)
     line("levenberg.indefinite", "%.1e", (double)lm.lambda);
     while (lm.equations != RC_GAUSS_NEWTON && lm.lambda < RC(1e20)) {
         rc_levenberg_not_definite(&lm);
-        lm.lambda *= RC(1.01); /* off the powers of ten */
+        lm.lambda *= RC(1.01); /* so that it is no power of ten */
     }
     line("levenberg.given_up", "%.1e", (double)lm.lambda);
 }
@@ -2168,7 +2175,7 @@ static int triangle_poses(double x2, double y2, const double rays[3][2])
     return rc_p3p(poses, x, (const rigcal_real(*)[3])ray);
 }
 
-/* Points on a line but for `off`, seen from 5 ahead. */
+/* Points that are off a line by `off`, seen from a distance of 5. */
 static int triangle_is_line(double off)
 {
     const double rays[3][2] = {{0, 0}, {0.2, 0}, {0.1, 0.2 * off}};
@@ -2250,7 +2257,7 @@ static int pivot_is_rounding(double left)
     for (int at = 0; at < 21; at += 15) {
         H[at] = H[at + 3] = H[at + 5] = 1;
     }
-    H[1] = RC(1) - RC(left / 2); /* the pivot is about `left` */
+    H[1] = RC(1) - RC(left / 2); /* so that the pivot is about `left` */
     return !rc_sym6_factor_of(&L, H, 0);
 }
 
@@ -2332,7 +2339,7 @@ static int target_keeps_shape(double far)
     return solve_probed(&s) != RIGCAL_ERR_PRECISION;
 }
 
-/* How many poses a scene has. */
+/* The number of poses of a scene. */
 static long found_of(const scene *s)
 {
     tally t;
@@ -2341,7 +2348,8 @@ static long found_of(const scene *s)
     return t.found;
 }
 
-/* A square at so little tilt, from afar, where it leans this way or the other. */
+/* Whether the two poses of a square that is far away count as one. `tangent` is that of its
+ * small tilt. */
 static int poses_are_one(double tangent)
 {
     scene s = probed;
@@ -2351,8 +2359,8 @@ static int poses_are_one(double tangent)
     return found_of(&s) < 2;
 }
 
-/* Three points on the unit circle, the camera on the cylinder through it or near: there two
- * poses merge. */
+/* Three points on the unit circle; the camera is on the cylinder through it, or near. There
+ * two poses merge. */
 static void cylinder_scene(double off, double pixel)
 {
     const double turn[9] = {1, 0, 0, 0, -1, 0, 0, 0, -1};
@@ -2400,7 +2408,7 @@ static void gate_near_poses(void)
     edge("pose.exact_px", noise_is_exact, 1e-9, 10);
 }
 
-/* Optima of a target that is thicker or thinner: how many starts it takes. */
+/* Counts the starts that the optima of a thicker or thinner target need. */
 static void gate_thickness(void)
 {
     tally t;
@@ -2490,7 +2498,7 @@ static int sigma_is_small(double x)
     return !sigma_is_taken(x);
 }
 
-/* The first of so many pairs is no number: it is not looked at when there are too many. */
+/* The first of `n` pairs is no number. It is not looked at if there are too many pairs. */
 static int count_is_taken(double n)
 {
     rigcal_pair p = pair_of(1, 0, 1);
@@ -2543,8 +2551,8 @@ static void put_u32(uint8_t *at, uint32_t x)
     }
 }
 
-/* A calibration stored by a float build: whether its rotation, one element of which is off,
- * is made one of doubles. */
+/* Whether a rotation stored by a float build, with an error in one element, is made a
+ * rotation in double. */
 static int float_rotation_is_taken(double off)
 {
     enum { HEADER = RIGCAL_STORE_HEADER_BYTES, REALS = 12 + 12 + 21 };
@@ -2588,7 +2596,7 @@ __attribute__((noinline)) static long stack_of(void (*call)(void), int is_painti
 {
     volatile unsigned char painted[PAINTED];
     volatile unsigned char *volatile area =
-        painted; /* that it was painted is not known here */
+        painted; /* the sanitizer does not know that it was painted */
     if (is_painting) {
         for (size_t i = 0; i < PAINTED; i++) {
             area[i] = 0xa5;
@@ -2626,7 +2634,7 @@ static void call_diagnose(void)
 
 static void measure_stack(const char *name, void (*call)(void))
 {
-    call(); /* what is linked on first use is not the library's */
+    call(); /* what is linked at first use does not belong to the library */
     stack_of(call, 1);
     call();
     line(name, "%ld", stack_of(call, 0));
@@ -2650,7 +2658,8 @@ enum { ALARM_BODIES = 3 };
 static rc_alarm alarm;
 static rigcal_real alarm_bodies[ALARM_BODIES * RC_ALARM_BODY];
 
-/* A row of any two bodies; the third has rows until `blind`. size: how much it says. */
+/* Adds a row of two random bodies. The third body has rows until `blind`. size: how much
+ * information a row has. */
 static void alarm_row(int is_blind, double size, double shift)
 {
     const size_t a = is_blind ? 0 : (size_t)uniform(0, ALARM_BODIES);
@@ -2664,7 +2673,7 @@ static void alarm_row(int is_blind, double size, double shift)
     rc_alarm_row(&alarm, alarm_bodies, (rigcal_real)z, 1, a, h[0], b, h[1]);
 }
 
-/* Frames of n rows: alarms, the evidence of now and then, what is blind. */
+/* Runs frames of n rows: counts alarms, the evidence at some frames, and blind bodies. */
 static void alarm_run(const char *name, int frames, int n, double common, double size)
 {
     tally t;
@@ -2694,7 +2703,8 @@ static void alarm_run(const char *name, int frames, int n, double common, double
     line(counter, "%.5g", (double)rc_alarm_noise(&alarm));
 }
 
-/* A frame of one body of 60 rows in each of so many directions; size: how much one says. */
+/* A frame of one body with 60 rows in each of several directions. size: information of a
+ * row. */
 static double alarm_frame_of(int n, const double direction[][6], double size)
 {
     const rigcal_real none[6] = {0};
@@ -2708,7 +2718,7 @@ static double alarm_frame_of(int n, const double direction[][6], double size)
     return (double)rc_alarm_frame(&alarm, alarm_bodies);
 }
 
-/* Rows of one direction say something: across it nothing is left but what is expected. */
+/* Whether rows of one direction count as one: across it only the expected part is left. */
 static int rows_are_one(double size)
 {
     static const double ASKEW[1][6] = {{1, 1}};
@@ -2716,7 +2726,8 @@ static int rows_are_one(double size)
     return alarm_frame_of(1, ASKEW, size) > -50;
 }
 
-/* The second frame, of rows that say as much as those of the first, is evidence. */
+/* Whether the second frame is evidence, if its rows have as much information as those of
+ * the first. */
 static int rows_are_within_range(double size)
 {
     static const double AXES[6][6] = {{1},          {0, 1},          {0, 0, 1},
@@ -2753,7 +2764,7 @@ static struct {
     rigcal_calibrated_rig rig;
     rigcal_monitor_options options;
     rigcal_real monitor[RIGCAL_MONITOR_SIZE(WATCHED, 1)];
-    double turned; /* of camera 1, rad */
+    double turned; /* turn of camera 1, rad */
 } watched;
 
 static rigcal_status watched_begin(void)
@@ -2834,7 +2845,7 @@ static rigcal_monitor_report watched_frame(tally *t, int n)
     return report;
 }
 
-/* Where the cameras are, and how well that is known. */
+/* Counts where the cameras are, and how accurately that is known. */
 static void watched_lines(const char *name)
 {
     double sum = 0, variance = 0;
@@ -2858,7 +2869,7 @@ static void watched_lines(const char *name)
     line(counter, "%.3g", variance);
 }
 
-/* Frames of a still rig, a bump, its alarm, and its answer. */
+/* A rig at rest, a bump, its alarm, and the answer. */
 static void watched_run(const char *name, double wrong, double turned)
 {
     rigcal_monitor_report report;
@@ -2889,12 +2900,12 @@ static void watched_run(const char *name, double wrong, double turned)
     watched_lines(name);
     (void)rigcal_monitor_moved(watched.monitor, 2);
     watched.turned = 0;
-    (void)watched_frame(&t, 1); /* a row of a body that is open */
+    (void)watched_frame(&t, 1); /* this is a row of a body that is open */
     snprintf(counter, sizeof counter, "%s.opened", name);
     watched_lines(counter);
 }
 
-/* A target gets its place, is seen again, and goes. */
+/* A target gets its place, is seen again, and is removed. */
 static void watched_target(void)
 {
     rigcal_observation seen[8];
@@ -2972,7 +2983,7 @@ static int holds_seconds(double x)
     return rigcal_monitor_frame(NULL, watched.monitor, (rigcal_real)x) == RIGCAL_OK;
 }
 
-/* A match so near to the line through both centres. */
+/* A match at this angle from the line through both centres. */
 static int off_line(double angle, double sigma_px)
 {
     const rigcal_transform a = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
@@ -3000,7 +3011,7 @@ static int holds_off_rounding(double x)
     return off_line(1 / x, ANY_OF(1e-14, 1e-6));
 }
 
-/* What rounding leaves of a turn is kept. */
+/* Whether the part of a turn that rounding leaves is kept. */
 static int holds_left(double x)
 {
     const rc_filter f = {2,    0,
@@ -3040,7 +3051,7 @@ static void watched_edges(void)
     edge("filter.left_turn", holds_left, ANY_OF(1e-7, 1e-4), 0.5);
 }
 
-/* What is chosen where nothing is asked for, and numbers of the layers themselves. */
+/* The defaults, and numbers of the layers themselves. */
 static void watched_numbers(void)
 {
     rigcal_monitor_options o;
@@ -3100,7 +3111,7 @@ static void gate_monitor(void)
 
 /* ---- bands, candidates, spans ----------------------------------------------- */
 
-/* A Brown lens, or for every third a fisheye, of 160 x 120 pixels. */
+/* A Brown lens, every third time a fisheye, of 160 x 120 pixels. */
 static void set_match_camera(rigcal_camera *c, int n)
 {
     memset(c, 0, sizeof *c);
@@ -3210,7 +3221,7 @@ static void gate_matching(void)
     line("spans.pixels", "%lu", pixels);
 }
 
-/* Borders in large images of lenses that bend much: some have many arcs. */
+/* Borders in large images of lenses with strong distortion: some have many arcs. */
 static void gate_long_borders(void)
 {
     static rigcal_spans_solver solver;
@@ -3246,7 +3257,7 @@ static void gate_long_borders(void)
     line("spans.long.arcs", "%lu", arcs);
 }
 
-/* Bands up to half a focal length wide: borders that leave the image, and fold. */
+/* Bands up to half a focal length wide, whose borders leave the image and fold. */
 static void gate_wide_bands(void)
 {
     static rigcal_spans_solver solver;
@@ -3286,7 +3297,7 @@ static void gate_wide_bands(void)
     line("spans.wide.pixels", "%lu", pixels);
 }
 
-/* Two cameras side by side that are exactly known. */
+/* Two cameras side by side with exact intrinsics and poses. */
 static rigcal_camera pinholes[2];
 static rigcal_match_pair pair_probed;
 
@@ -3323,7 +3334,8 @@ static int band_takes_k(double k)
     return band_is_made();
 }
 
-/* The ray (x, y, 1) of b, which turns by `turn` a pixel, against the band of (0, 0, 1). */
+/* Tests the ray (x, y, 1) of b, which turns by `turn` a pixel, against the band of (0, 0,
+ * 1). */
 static rigcal_status band_told(double x, double y, double turn)
 {
     const rigcal_real uv[2] = {pinholes[0].cx, pinholes[0].cy};
@@ -3401,7 +3413,7 @@ static void outline_add(const double u[5], const double v[5])
     rc_outline_add(&outline_probed, by_u, by_v);
 }
 
-/* A strip of columns that ends so far to the left of the image. */
+/* Whether a strip of columns that ends this far left of the image is seen. */
 static int strip_is_seen(double beside)
 {
     const double left[5] = {-9, -9, -9, -9, -9}, down[5] = {0, 4, 8, 12, 16};
@@ -3414,7 +3426,8 @@ static int strip_is_seen(double beside)
     return rc_outline_row(spans, &outline_probed, 5, 100) > 0;
 }
 
-/* A border that hardly leaves row 5: Newton's method comes nearer by a quarter a step. */
+/* A border that hardly leaves row 5. There a step of Newton's method gains only a
+ * quarter. */
 static long level_crossing(void)
 {
     const double left[5] = {0, 0, 0, 0, 0};
@@ -3448,7 +3461,7 @@ static void gate_outlines(void)
 
 static const size_t WATCHED_ABC[3] = {0, 1, 2};
 
-/* From a point that b sees so many pixels off. */
+/* The transfer of a point whose pixel in b is off by this many pixels. */
 static rigcal_status transfer_of(rigcal_transfer *out, double off)
 {
     const double X[3] = {0.2, -0.1, 4};
@@ -3473,7 +3486,7 @@ static int miss_is_rounding(double off)
     return transfer_of(&out, off) == RIGCAL_OK && !(out.chi2 > 0);
 }
 
-/* A covariance that is all but of one direction. */
+/* A covariance that is nearly of rank one. */
 static int covariance_is_none(double across)
 {
     rigcal_transfer out;
@@ -3603,7 +3616,8 @@ static int frames_are_taken(double frames)
     return rigcal_clocks_frames(off, &clocks_probed, 2) == RIGCAL_OK;
 }
 
-/* A search that ends although its last step promised so many times what is negligible. */
+/* Whether a search counts as converged whose last step promised this many times the
+ * negligible part. */
 static int end_is_converged(double left)
 {
     rigcal_rig_solver s;
@@ -3665,7 +3679,7 @@ static void gate_clocks(void)
 
 /* ---- what is wrong with a rig ----------------------------------------------- */
 
-/* 3000 numbers of 100 views, 50 of which agree or not: F is as asked for. */
+/* The numbers 3000 and 100 views, 50 of which agree or not, with this F. */
 static rc_common common_of_F(double F)
 {
     const double own = 250;
@@ -3679,8 +3693,8 @@ static int F_is_noise(double F)
     return !rc_F_disagrees(&c, (rigcal_real)F, 0);
 }
 
-/* F of 4; the first of 10 faults leaves F_after, has the chance p, and a second fits worse
- * by so much. */
+/* Judges a set of faults. F is 4. The first of 10 faults leaves F_after and has the chance
+ * p. A second one fits worse by `worse`. */
 static rigcal_faults judged(double p, double worse)
 {
     const rc_common c = common_of_F(4);
@@ -3708,7 +3722,7 @@ static int faults_are_alike(double worse)
     return judged(0, worse).n_alike == 1;
 }
 
-/* A fault that leaves so much of F - 1 = 3. */
+/* Whether a fault that leaves this part of F - 1 = 3 explains the disagreement. */
 static int fault_explains(double left)
 {
     static const rigcal_real ONE[1] = {1};
@@ -3752,7 +3766,7 @@ static int is_not_along(double along)
     return (with_residues(0, 100, along).bits & RIGCAL_FAULTS_ALONG_MOTION) == 0;
 }
 
-/* The bytes that a fault's sentences take. */
+/* The number of bytes of a fault's sentences. */
 static size_t said(int kind, double value, double sigma)
 {
     rigcal_faults found = {0};
@@ -3778,7 +3792,7 @@ static int takes_two_digits(double sigma)
     return said(RIGCAL_FAULT_CENTRE, 8, sigma) > said(RIGCAL_FAULT_CENTRE, 8, 3);
 }
 
-/* The deviation of a fault that takes off more than all. */
+/* The sigma of a fault that explains more than everything. */
 static double sigma_of_all(void)
 {
     static const rigcal_real ONE[1] = {1};
@@ -3789,13 +3803,13 @@ static double sigma_of_all(void)
     return (double)fault.sigma[0];
 }
 
-/* So much of a radian is told with a digit behind the point. */
+/* Whether this turn, in radian, is printed with a digit after the point. */
 static int turn_takes_two_digits(double turn)
 {
     return said(RIGCAL_FAULT_MOVED, turn, 0) > said(RIGCAL_FAULT_MOVED, 0.1, 0);
 }
 
-/* Faults of the rig of rig_probed. */
+/* Tests the rig of rig_probed for faults. */
 static rigcal_faults_solver faults_solver;
 static rigcal_fault faults_probed[4];
 
@@ -3831,7 +3845,7 @@ static void place_eight(scene *s, double at[8][2], double sigma_px)
     }
 }
 
-/* Three times: the equations are then those of where the rig is. */
+/* Adjusts three times. The equations are then those at the final poses. */
 static int adjust_probed(void)
 {
     rigcal_rig_fit fit;
@@ -3843,8 +3857,8 @@ static int adjust_probed(void)
     return is_adjusted;
 }
 
-/* Points on three circles, so much apart: seen from ahead k1 and k2 and the distance do the
- * same. */
+/* Points on three circles that are this far apart. Seen from straight ahead, k1, k2 and the
+ * distance have the same effect. */
 static int ring_hides_distortion(double apart)
 {
     double at[8][2];
@@ -3862,8 +3876,8 @@ static int ring_hides_distortion(double apart)
     return adjust_probed() && faults_of(RIGCAL_FAULT_DISTORTION, NULL, 0).n_seen == 0;
 }
 
-/* Cameras 0 and 1 at placements 0 and 1, the points of placement 0 so many times as noisy.
- * Whether a move of camera 1 between the two is seen. */
+/* Cameras 0 and 1 at placements 0 and 1. The points of placement 0 have this many times the
+ * noise. Whether a move of camera 1 between the two is seen. */
 static int move_is_seen(double noise)
 {
     static const uint8_t BREAKS[RIG_PLACEMENTS] = {0, 1};
@@ -3888,7 +3902,7 @@ static int move_is_seen(double noise)
     return adjust_probed() && faults_of(RIGCAL_FAULT_MOVED, BREAKS, 0).n_seen > 0;
 }
 
-/* One point is off by so many sigma, of four views that are exact. */
+/* Whether a point counts that is off by this many sigma, in four exact views. */
 static int point_counts(double off)
 {
     rig_begin(&rig_probed, 2);
@@ -3909,7 +3923,8 @@ static int point_counts(double off)
     return faults_solver.n_points == 32;
 }
 
-/* A square, and a point that is so many of its sides from the last corner. */
+/* Whether a point counts as a neighbour of the last corner of a square, at this many sides
+ * from it. */
 static int step_is_to_a_neighbour(double step)
 {
     double at[8][2] = {{0, 0}, {0.1, 0}, {0.1, 0.1}, {0, 0.1}, {0, 0.1 + 0.1 * step}};
@@ -4010,7 +4025,8 @@ static void run(void)
     gate_monitor();
 }
 
-/* The value of a line: what stands after its name. NULL: the line is another counter's. */
+/* The value of a line: the text after its name. NULL: the line belongs to another
+ * counter. */
 static const char *value_of(const char *counter, const char *name, size_t length)
 {
     return strncmp(counter, name, length) == 0 && counter[length] == ' '
@@ -4018,14 +4034,16 @@ static const char *value_of(const char *counter, const char *name, size_t length
                : NULL;
 }
 
-/* The stack is a compiler's: it may take up to 1.25 times what is written. */
+/* Whether two values agree. The stack depends on the compiler, so it may be up to 1.25
+ * times the recorded one. */
 static int agree(const char *name, const char *seen, const char *expected)
 {
     return strncmp(name, "stack.", 6) == 0 ? atol(seen) * 4 <= atol(expected) * 5
                                            : strcmp(seen, expected) == 0;
 }
 
-/* Whether a line of what is expected is not seen so. *is_seen: there is such a counter. */
+/* Whether an expected line differs from what was seen. *is_seen: whether the counter
+ * exists. */
 static int differs(const char *expected, int *is_seen)
 {
     const size_t length = strcspn(expected, " ");

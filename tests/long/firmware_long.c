@@ -11,8 +11,8 @@
  * and at the end that
  *
  *   - each bump was told within ALARM_FRAMES, and mended within SETTLE_FRAMES after that
- *   - the alarms of a rig that stood still are no more than the stated rate allows, but for
- *     a chance of 1e-4, and the wrong names no more than the stated confidences allow
+ *   - the alarms of a rig at rest are no more than the stated rate allows, except by a
+ *     chance of 1e-4, and wrong names no more than the stated probabilities allow
  *
  *   firmware_long [TICKS [SEED]]     status 1 and a line when one of these is broken */
 #include <math.h>
@@ -27,46 +27,49 @@
 #endif
 
 enum {
-    REST_TICKS = 20000, /* until the firmware must be at rest */
+    REST_TICKS = 20000, /* ticks within which the firmware must be at rest */
     ALARM_FRAMES = 60,
     SETTLE_FRAMES = 400,
-    BODIES = FIRMWARE_CAMERAS + 1, /* the last is the board at work */
-    LEVELS = 4,                    /* places of a body, 0.02 rad and 0.01 m apart */
+    BODIES = FIRMWARE_CAMERAS + 1, /* the last body is the board at work */
+    LEVELS = 4,                    /* places of a body, at distances of 0.02 rad and 0.01
+                                      m */
     AFTER_FRAMES = 400,            /* see judge */
-    START_FRAMES = 5,              /* after a reset, until the board has its place */
+    START_FRAMES = 5,              /* frames after a reset until the board has its place */
     UNKNOWN = -1
 };
 
-static const double ARL0_FRAMES = 864000; /* as watch.c states */
+static const double ARL0_FRAMES = 864000; /* the number that watch.c states */
 
-/* What is stored in a slot, or is about to be. Of a rig at work only the cameras' poses
- * relative to each other can be seen, and `levels` is where they stood when these were
- * right: which camera it was that moved while the power was off nobody can tell. */
+/* What is stored in a slot, or is about to be. In a rig at work only the relative poses of
+ * the cameras can be seen. `levels` is where the cameras stood when these poses were right.
+ * If a camera moved while the power was off, nothing shows which one it was. */
 typedef struct {
     uint8_t bytes[PORT_SLOT_BYTES];
     size_t n; /* 0: nothing */
     firmware_watch watch;
     rigcal_mounted_camera cameras[FIRMWARE_CAMERAS];
     uint32_t sequence;
-    int levels[FIRMWARE_CAMERAS]; /* UNKNOWN: not where a camera truly was */
-    int in_doubt; /* stored after a bump, before its alarm: on the way between both */
+    int levels[FIRMWARE_CAMERAS]; /* UNKNOWN: the pose is not where the camera ever was */
+    int in_doubt; /* stored after a bump and before its alarm: somewhere between the two */
 } record;
 
 static firmware app;
 static record stored[PORT_SLOTS], pending;
-static int in_use;                       /* the slot; -1: none */
-static int levels[BODIES], base[BODIES]; /* where each is, and where it is believed */
-static int still;                        /* 1: all are where they are believed to be */
+static int in_use;                       /* the slot in use; -1: none */
+static int levels[BODIES], base[BODIES]; /* the place of each body, and where the firmware
+                                            believes it is */
+static int still;                        /* 1: all bodies are where the firmware believes
+                                            they are */
 static int unsettled, since_bump, bumped;
 static int since_start; /* frames */
-static int from_start;  /* the last alarm was of what happened before a reset */
-static int after;       /* frames in which an alarm counts as a second one, see judge */
+static int from_start;  /* whether the last alarm was about an event before a reset */
+static int after;       /* frames in which an alarm counts as a second one; see judge */
 static int at_work, wants_help, broken;
 
 static struct {
     long ticks, frames, still_frames, bumps, alarms, false_alarms, names, wrong, settled;
     long resets, cuts, saved, failed, flips, second, from_start, in_doubt;
-    double doubt; /* the sum of 1 - sure over the names of bumps */
+    double doubt; /* the sum of 1 - (stated probability) over the named bumps */
 } count;
 
 static int chance(double p)
@@ -106,7 +109,7 @@ static int same_pose(const rigcal_transform *a, const rigcal_transform *b)
     return memcmp(a, b, sizeof *a) == 0;
 }
 
-/* The firmware's calibration is that of r, to the bit. */
+/* Whether the firmware's calibration is that of r, to the bit. */
 static int has(const record *r)
 {
     int same = app.sequence == r->sequence;
@@ -121,7 +124,7 @@ static int has(const record *r)
     return same;
 }
 
-/* Before a tick: what would be stored if this one completes it. */
+/* Before a tick: notes what will be stored if this tick completes it. */
 static void note_pending(void)
 {
     if (app.image_bytes == 0) {
@@ -138,7 +141,7 @@ static void note_pending(void)
 
 static void check_tick(int32_t slot_before)
 {
-    if (app.slot != slot_before) { /* a saving has ended */
+    if (app.slot != slot_before) { /* the saving has ended */
         want(app.slot != in_use && is_whole(&pending, app.slot), "saved, but not in flash");
         stored[app.slot] = pending;
         in_use = app.slot;
@@ -156,14 +159,15 @@ static void learn_base(const record *r)
         base[c] = r->levels[c];
         still &= base[c] == levels[c];
     }
-    base[FIRMWARE_CAMERAS] = levels[FIRMWARE_CAMERAS]; /* it is looked for anew */
+    base[FIRMWARE_CAMERAS] = levels[FIRMWARE_CAMERAS]; /* its place is searched again */
     since_bump = unsettled = 0;
     bumped = UNKNOWN;
-    wants_help |= r->in_doubt; /* it may be right or wrong: no alarm can be asked for */
+    wants_help |= r->in_doubt; /* it may be right or wrong, so an alarm cannot be
+                                  demanded */
     count.in_doubt += r->in_doubt;
 }
 
-/* Power on, with whatever is in flash. */
+/* Switches the power on, with the present contents of flash. */
 static void reset(void)
 {
     const int spare = (in_use == 0) ? 1 : 0;
@@ -171,7 +175,7 @@ static void reset(void)
         stored[spare] = pending;
         in_use = spare;
     }
-    if (in_use >= 0 && !is_whole(&stored[in_use], in_use)) { /* a bit has flipped */
+    if (in_use >= 0 && !is_whole(&stored[in_use], in_use)) { /* one bit has flipped */
         in_use = is_whole(&stored[1 - in_use], 1 - in_use) ? 1 - in_use : -1;
     }
     pending.n = 0;
@@ -194,7 +198,8 @@ static void reset(void)
     }
 }
 
-/* Ticks until the firmware is at rest. Returns 0 after a power cut, and then a reset. */
+/* Runs ticks until the firmware is at rest. After a power cut it resets the board and
+ * returns 0. */
 static int run(void)
 {
     for (int i = 0; i < REST_TICKS && !broken; i++) {
@@ -229,7 +234,8 @@ static void place_all(void)
     sim_place(1, centers[1], -1.4 + 2 * b);
 }
 
-/* Most corners; sometimes few or none, twice the same, or unknown ones. */
+/* Takes a picture. It shows most corners, or sometimes few or none, one of them twice, or
+ * unknown ones. */
 static void shoot(int camera)
 {
     unsigned mask = 0xff;
@@ -281,7 +287,7 @@ static void count_lines(void)
     }
 }
 
-/* The reference points, then the board in its four places, until there is a rig. */
+/* Shows the reference points, then the board in its four places, until there is a rig. */
 static void calibrate(void)
 {
     int whole = 1;
@@ -295,7 +301,7 @@ static void calibrate(void)
     whole &= run();
     for (int f = 1; f <= FIRMWARE_PLACEMENTS && whole; f++) {
         const double shift[3] = {0.05 * f - 0.1, 0.04 * (f % 2), 0.03 * f};
-        memcpy(base, levels, sizeof base); /* of what is stored at the end */
+        memcpy(base, levels, sizeof base); /* for what is stored at the end */
         sim_hold(f, 0.15 * f - 0.4, 0.2 * (f % 3) - 0.2, shift);
         shoot(0);
         shoot(1);
@@ -315,7 +321,7 @@ static void bump(void)
     const int body = below(BODIES), to = below(LEVELS - 1);
     levels[body] = to + (to >= levels[body]);
     still = 0;
-    /* As before the start: the board has no place yet by which a camera could be named. */
+    /* As before the start: the board has no place yet, so no camera can be named. */
     bumped = (since_start < START_FRAMES) ? UNKNOWN : body;
     since_bump = 0;
     count.bumps++;
@@ -324,7 +330,7 @@ static void bump(void)
 
 /* ---- at work ------------------------------------------------------------------ */
 
-/* Who was named, and how surely; UNKNOWN: nobody was. */
+/* The body that the firmware named, and its probability; UNKNOWN: none was named. */
 static int named(double *sure)
 {
     const char *const at = strstr(sim.serial, "moved ");
@@ -339,7 +345,7 @@ static int named(double *sure)
     return body;
 }
 
-/* What the firmware said of this frame, against what is true. */
+/* Compares what the firmware said of this frame with the truth. */
 static void judge(void)
 {
     double sure = 0;
@@ -361,7 +367,7 @@ static void judge(void)
             count.wrong += body != bumped;
             count.doubt += 1 - sure;
         }
-        for (int k = 0; k < BODIES; k++) { /* a wrong name leaves a rig that is wrong */
+        for (int k = 0; k < BODIES; k++) { /* after a wrong name the rig is wrong */
             base[k] = (bumped == UNKNOWN || body == bumped) ? levels[k] : UNKNOWN;
         }
     }
@@ -371,7 +377,7 @@ static void judge(void)
     want(still || unsettled > 0 || since_bump < ALARM_FRAMES, "a bump without an alarm");
 }
 
-/* One word from the firmware: whether it is well. */
+/* The firmware's answer to the question how it is. */
 static int is_well(void)
 {
     sim_clear_serial();
@@ -400,7 +406,7 @@ static void settle(void)
     bumped = UNKNOWN;
     since_bump = 0;
     after = from_start ? AFTER_FRAMES : 0;
-    wants_help = !at_home; /* the wrong one was named: somebody holds the board up again */
+    wants_help = !at_home; /* the wrong body was named: somebody holds the board up again */
 }
 
 static void frame(void)
@@ -426,7 +432,7 @@ static void frame(void)
 static void flip(void)
 {
     if (in_use < 0 || !is_whole(&stored[1 - in_use], 1 - in_use)) {
-        return; /* with one good slot a flipped bit may lose it: no promise */
+        return; /* with only one good slot a flipped bit may lose it: nothing is promised */
     }
     const int slot = below(PORT_SLOTS);
     sim.flash[slot][below((int)stored[slot].n)] ^= (uint8_t)(1 << below(8));
@@ -436,7 +442,7 @@ static void flip(void)
 
 /* ---- the bounds ----------------------------------------------------------------- */
 
-/* The chance of k or more of a Poisson number with this mean. */
+/* The chance that a Poisson number with this mean is k or more. */
 static double at_least(long k, double mean)
 {
     double term = exp(-mean), sum = 0;
@@ -464,7 +470,7 @@ static void report(unsigned long seed)
 
 int main(int argc, char *argv[])
 {
-#ifdef SIM_TIMER /* no command line on the emulated board */
+#ifdef SIM_TIMER /* the emulated board has no command line */
     argc = 1;
 #endif
     const long ticks = (argc > 1) ? atol(argv[1]) : LONG_TICKS;

@@ -143,7 +143,8 @@ def used_by(command: list[str], good: set[int], folder: pathlib.Path) -> tuple[f
 
 
 def calibrated(rigcal: str, folder: pathlib.Path) -> pathlib.Path:
-    """The folder with rig.csv, beside rig.bin, of a short file of kind rig."""
+    """Makes a folder with rig.csv and rig.bin from a short file of kind rig. Returns the
+    folder."""
     known = folder / "known"
     if not known.exists():
         write_observations(folder / "short.csv", KINDS[0], 10000)
@@ -153,7 +154,7 @@ def calibrated(rigcal: str, folder: pathlib.Path) -> pathlib.Path:
 
 
 def measure(kind: Kind, n: int, rigcal: str, folder: pathlib.Path, n_runs: int) -> tuple[int, float, int]:
-    """Bytes of the file, the least time, the most memory."""
+    """The number of bytes of the file, the least time and the most memory of the runs."""
     path = folder / "long.csv"
     cameras = kind.sizes(n)[0] if kind.sizes else N_CAMERAS
     write_cameras(folder, cameras)
@@ -186,8 +187,14 @@ def kept(kind: Kind, n: int, rigcal: str) -> pathlib.Path:
 
 
 def measure_once(kind: Kind, n: int, rigcal: str, folder: pathlib.Path, n_runs: int) -> tuple[int, float, int]:
+<<<<<<< HEAD
     """The same, from an earlier run of this program and script if there is one."""
     path = kept(kind, n, rigcal)
+=======
+    """As `measure`, or from an earlier run of the same program and script."""
+    text = pathlib.Path(__file__).read_bytes() + pathlib.Path(rigcal).read_bytes()
+    path = ROOT / "build/lines" / f"{hashlib.sha256(text).hexdigest()[:16]}-{kind.name.replace(' ', '_')}-{n}.json"
+>>>>>>> main
     if not path.exists():
         result = measure(kind, n, rigcal, folder, n_runs)
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -197,7 +204,7 @@ def measure_once(kind: Kind, n: int, rigcal: str, folder: pathlib.Path, n_runs: 
 
 def judge(kind: Kind, n: int, rigcal: str, folder: pathlib.Path, before: float,
           is_short: bool) -> tuple[str, list[str], float]:
-    """The row of the table, what is wrong, and the time per line."""
+    """The row of the table, what is wrong with it, and the time per line."""
     once = measure if is_short else measure_once
     size, seconds, memory = once(kind, n, rigcal, folder, 1 if before else 3)
     row = f"| {kind.name} | {n} | {size / 1e6:.1f} | {seconds:.2f} | {memory / 1e6:.1f} | {memory / size:.2f} |"

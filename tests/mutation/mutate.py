@@ -10,13 +10,15 @@
     mutate.py --record             writes RESULTS.md and recorded.csv of the results so far
 
 A mutant changes a relation, a condition, an operator, a sign, a number, a return value, or
-leaves a statement out; assertions and traces stay. Its file is compiled with assertions and with the sanitizer of
-undefined behaviour, which traps; what it does not initialize has huge numbers. It is linked
-before the library, and run against the test of its layer and of the layers that include it. The tests come in the order of their time, divided by
-the share of this layer's mutants that each killed so far. A test that fails, crashes or takes
-20 times as long kills the mutant. Where none does and the preset asan is built, the tests run
-again with the address sanitizer. A survivor is equivalent if gcc -O2 makes the same object of
-it, or equivalent.txt says why no test can kill it; any other is printed. Exit status 1 where a survivor is left or equivalent.txt is stale.
+leaves a statement out; assertions and traces stay. Its file is compiled with assertions and
+with the sanitizer of undefined behaviour, which traps; what it does not initialize has huge
+numbers. It is linked before the library, and run against the tests of its layer, those that
+call most of its functions, and those of the layers that include it. They come in the order of
+their time, divided by the share of this layer's mutants that each killed so far. A test that
+fails, crashes or takes 20 times as long kills the mutant. Where none does and the preset asan
+is built, the first of them run again with the address sanitizer. A survivor is equivalent if
+gcc -O2 makes the same object of it, or equivalent.txt says why no test can kill it; any other
+is printed. Exit status 1 where a survivor is left or equivalent.txt is stale.
 
 The recorded mutant of a file is, of those that a test killed, the one of the fastest test,
 and of these the first by the seed; recorded.csv names mutant and test. A file without one
@@ -51,7 +53,10 @@ REPORT = pathlib.Path(__file__).with_name("RESULTS.md")
 EQUIVALENT = pathlib.Path(__file__).with_name("equivalent.txt")
 SEED = 22
 TESTS_MOST = 12  # of a mutant: its own layer's, and the nearest to it; then hostile
-CALLERS_MOST = 4  # of these: tests of other layers that call most of its functions
+CALLERS_MOST = 4  # of these: tests of other layers that call most of its functions, none of them slow
+CALLER_SECONDS = 10
+ASAN_TESTS = 4  # of those, and none that takes longer without it
+ASAN_SECONDS = 2
 SAME = "compiler: the same"
 SLOW = 20  # times the usual time of a test, and 10 s: then it hangs
 
@@ -68,7 +73,7 @@ Mutant = collections.namedtuple("Mutant", "layer number line kind start end text
 
 
 class Source:
-    """A file of src/: its text and the places where it can be changed."""
+    """A file of src/: its text, and the places that can be changed."""
 
     def __init__(self, layer: str) -> None:
         self.layer = layer
@@ -89,7 +94,7 @@ class Source:
 
         depth = 0
         before = ""
-        untouched = -1  # the end of an assertion or a trace
+        untouched = -1  # the end of an assertion or trace was not reached yet
         begun = 0  # the statement
         tokens = [m for m in TOKEN.finditer(self.text) if not m[0].startswith(("/*", "//"))]
         for at, token in enumerate(tokens):
@@ -111,7 +116,7 @@ class Source:
                 elif word == "!":
                     add("condition", start, end, "")
                 elif re.fullmatch(r"\d+", word) and DECLARED.match(self.text[begun:start]):
-                    if int(word) > 1:  # a longer array harms nobody
+                    if int(word) > 1:  # a longer array does no harm
                         add("number", start, end, str(int(word) - 1))
                 elif re.fullmatch(r"\d+", word) and before not in ("case",):
                     add("number", start, end, str(int(word) + 1))
@@ -142,7 +147,7 @@ class Source:
 
 
 class Bench:
-    """How a file is compiled, and which tests a layer has."""
+    """How a file is compiled, and the tests of each layer."""
 
     def __init__(self, build: pathlib.Path) -> None:
         self.build = build
@@ -177,7 +182,8 @@ class Bench:
         return set(re.findall(r'#include "rc_(\w+)\.h"', "".join(texts))) - {layer}
 
     def tests_of(self, layer: str) -> list[str]:
-        """Its own, those that call most of its functions, those of the layers that include it."""
+        """The layer's own test, the tests that call most of its functions, and those of
+        layers that include it."""
         order, wave = [layer], {layer}
         while wave:
             wave = {other for other in self.includes if self.includes[other] & wave and other not in order}
@@ -187,13 +193,14 @@ class Bench:
         text = (ROOT / "src" / f"rigcal_{layer}.c").read_text()
         functions = re.findall(r"^(?!static|typedef| |#|/).*?\b((?:rigcal|rc)_\w+)\(", text, re.M)
         calls = {name: len(self.called[name].intersection(functions)) for name in self.link}
-        callers = sorted((name for name in calls if calls[name]), key=lambda name: (-calls[name], name))
+        callers = sorted((name for name in calls if calls[name] and self.times.get(name, 0) < CALLER_SECONDS),
+                         key=lambda name: (-calls[name], name))
         seen = list(dict.fromkeys(of[layer] + callers[:CALLERS_MOST] + [name for at in order for name in of[at]]))
         nearest = [t for t in seen if t != "hostile"][:TESTS_MOST]
         return nearest + ["hostile"] * (bool(nearest) and "hostile" in self.link)
 
     def time_of(self, test: str) -> float:
-        """Seconds of the test without a mutant, measured once."""
+        """The seconds of a test without a mutant, measured once."""
         with self.lock:
             if test not in self.times:
                 start = time.monotonic()
@@ -206,7 +213,7 @@ class Bench:
             return self.times[test]
 
     def killer(self, source: Source, mutant: Mutant, tests: list[str], lane: int) -> str:
-        """The first of the tests that kills it, "compiler", or nothing."""
+        """The first test that kills the mutant, "compiler", or nothing."""
         changed, obj, program = (WORK / f"{self.build.name}-{lane}-{name}" for name in ("mutant.c", "mutant.o", "test"))
         changed.write_text(source.text[:mutant.start] + mutant.text + source.text[mutant.end:])
         command = [*self.compile[source.layer], "-o", str(obj), "-c", str(changed)]
@@ -226,8 +233,13 @@ class Bench:
         return ""
 
 
+    def brief(self, tests: list[str], usual: "Bench") -> list[str]:
+        """With the address sanitizer: the first few that it does not take minutes for."""
+        return [test for test in tests if test in self.link and usual.time_of(test) < ASAN_SECONDS][:ASAN_TESTS]
+
     def is_same(self, source: Source, mutant: Mutant, lane: int) -> bool:
-        """Whether the compiler makes the same of both, as of code that this build leaves out."""
+        """Whether the compiler makes the same object of both. It does so for code that this
+        build leaves out."""
         changed, obj = (WORK / f"{self.build.name}-{lane}-{name}" for name in ("mutant.c", "mutant.o"))
         made = []
         for text in (source.text, source.text[:mutant.start] + mutant.text + source.text[mutant.end:]):
@@ -239,7 +251,7 @@ class Bench:
 
 
 class Results:
-    """What is known of mutants: results.csv of this build folder, to which rows are appended."""
+    """The results so far: results.csv of this build folder. New rows are appended to it."""
 
     FIELDS = ["layer", "line", "kind", "key", "was", "became", "source", "tests", "killed_by", "seconds"]
 
@@ -266,8 +278,9 @@ class Results:
             self.take(row)
 
     def in_order(self, bench: Bench, layer: str, tests: list[str]) -> list[str]:
-        """The least time for a kill first. A test that ran on nothing yet counts as if it
-        had killed one mutant of two, or of ten if it is of another layer."""
+        """The order in which the tests are tried: the least expected time for a kill first.
+        A test that ran on nothing yet counts as if it had killed one mutant of two, or one
+        of ten if it belongs to another layer."""
         kills = self.kills[layer]
         total = sum(n for test, n in kills.items() if test != "compiler")
 
@@ -296,7 +309,7 @@ def digest_of_tests(tests: list[str], has_asan: bool) -> str:
 
 
 def equivalents() -> dict[tuple[str, str, str, str], str]:
-    """{(layer, line, what was there, what came): why}."""
+    """{(layer, line, text before, text after): why}."""
     known = {}
     for number, line in enumerate(EQUIVALENT.read_text().splitlines(), 1):
         if line and not line.startswith("#"):
@@ -308,7 +321,7 @@ def equivalents() -> dict[tuple[str, str, str, str], str]:
 
 
 def key_of(source: Source, m: Mutant) -> tuple[str, str, str, str]:
-    """(layer, line, what was there, what came). "+ (2)" is the second + of its line."""
+    """(layer, line, text before, text after). "+ (2)" is the second + of its line."""
     was = source.text[m.start:m.end]
     before = source.text[source.text.rfind("\n", 0, m.start) + 1:m.start].count(was)
     return (source.layer, source.line(m.line), " ".join(was.split()) + f" ({before + 1})" * (before > 0), m.text.strip())
@@ -319,7 +332,7 @@ def place_of(m: Mutant) -> str:
 
 
 def kept(results: Results, source: Source, m: Mutant, of_tests: str) -> dict[str, str] | None:
-    """What is known of a mutant, where it still holds."""
+    """The result of a mutant, if it is still valid."""
     row = results.known.get((source.layer, place_of(m)))
     if row and row["source"] == digest(source.path) and (row["killed_by"] or row["tests"] == of_tests):
         return row
@@ -327,7 +340,8 @@ def kept(results: Results, source: Source, m: Mutant, of_tests: str) -> dict[str
 
 
 def shuffled(mutants: list[Mutant], source: Source, seed: int) -> list[Mutant]:
-    """An order that depends on the text of each mutant alone: a change of the file moves no other."""
+    """An order that depends only on the text of each mutant. A change of the file moves no
+    other mutant."""
     def place(m: Mutant) -> str:
         return hashlib.sha256(f"{seed} {key_of(source, m)}".encode()).hexdigest()
     return sorted(mutants, key=lambda m: (place(m), m.number))
@@ -456,7 +470,7 @@ def main() -> int:
             killer = bench.killer(source, m, [first], lane) if first in bench.link else ""
             order = [] if killer else results.in_order(bench, layer, tests)
             killer = killer or bench.killer(source, m, order, lane)
-            if not killer and asan and (has := [t for t in order if t in asan.link]):
+            if not killer and asan and (has := asan.brief(order, bench)):
                 killer = asan.killer(source, m, has, lane)
                 killer = killer and "asan " + killer
             if not killer and bench.is_same(source, m, lane):

@@ -1,6 +1,6 @@
 /* For Frama-C's Eva: the functions of matrices access nothing outside of arrays that are as
  * large as rc_linalg.h says, whatever the numbers. SIZE is that of a packed matrix.
- * tests/proof/run.sh tells how it runs. */
+ * tests/proof/run.sh runs it. */
 #include "rc_linalg.h"
 
 #include "__fc_builtin.h"
@@ -62,7 +62,7 @@ static void six(void)
     rc_sym6_pack(H, full);
 }
 
-/* As a joint covariance is computed: the arrays end where the matrix does. */
+/* The calls that compute a joint covariance. The arrays end where the matrix ends. */
 static void packed(void)
 {
     static rigcal_real A[SIZE * (SIZE + 1) / 2], x[SIZE];

@@ -1,5 +1,5 @@
-/* A source of views that gave another number of points when it was asked again was believed
- * by rigcal_rig_choose: SIZE_MAX points made the noise that it finds next to nothing. */
+/* rigcal_rig_choose believed a source of views that gave another number of points when it
+ * was asked again. SIZE_MAX points made the estimated noise nearly 0. */
 #include <string.h>
 
 #include "test_boards.h"
@@ -8,7 +8,7 @@ enum { CAMERAS = 2, PLACES = 4, VIEWS = CAMERAS * PLACES };
 
 static test_boards b;
 static size_t calls[VIEWS],
-    wrong_from; /* of the views from wrong_from on, the second time */
+    wrong_from; /* for the views from wrong_from on, at the second call */
 static size_t wrong_n;
 
 static rigcal_status pose_whose_count_changes(rigcal_view_pose *pose, size_t index,
@@ -48,7 +48,8 @@ static void test_a_count_that_changes_is_no_count(void)
     truth = b.choice.sigma_px;
     TEST_ASSERT_TRUE(truth > RC(0.1) && truth < 1);
     for (int k = 0; k < 3; k++) {
-        ASSERT_STATUS(RIGCAL_ERR_TOO_FEW, choose(0, COUNTS[k])); /* no view says it */
+        ASSERT_STATUS(RIGCAL_ERR_TOO_FEW, choose(0, COUNTS[k])); /* no view shows the
+                                                                    noise */
         ASSERT_STATUS(RIGCAL_OK, choose(2, COUNTS[k]));          /* two do */
         TEST_ASSERT_TRUE(b.choice.sigma_px > RC(0.1) && b.choice.sigma_px < 1);
     }

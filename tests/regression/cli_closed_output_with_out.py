@@ -1,4 +1,4 @@
-"""With standard output closed, calibrate --out wrote its files and told that it had not."""
+"""With standard output closed, calibrate --out wrote its files, but denied it."""
 import os
 import subprocess
 import sys

@@ -29,7 +29,7 @@ class TestFilesOfTwoRuns(CliTest):
             with self.subTest(call=call):
                 earlier = self.earlier_files()
                 run = self.run_with_fault(f"rename:{call}:{EIO}")
-                if run.returncode != 0:  # else it was no call that is made
+                if run.returncode != 0:  # otherwise the program makes no such call
                     self.assertEqual(run.returncode, 2)
                     self.assertRegex(run.stderr, "cannot write .*no file was written")
                     self.assertEqual(self.files(), earlier)

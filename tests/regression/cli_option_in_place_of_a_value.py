@@ -1,4 +1,4 @@
-"""calibrate --out --robust made a folder named --robust, and was not robust."""
+"""calibrate --out --robust made a folder named --robust, and ran without --robust."""
 import os
 import sys
 import unittest

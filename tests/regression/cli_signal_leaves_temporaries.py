@@ -16,7 +16,7 @@ class TestSignalLeavesTemporaries(CliTest):
                           "--out", self.out)
 
     def test_all_files_are_there_or_none(self):
-        """A signal before the first rename: too late to give up."""
+        """A signal before the first rename, when it is too late to give up."""
         for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
             with self.subTest(signal=number):
                 run = self.run_with_fault(f"rename:1:{-number}")

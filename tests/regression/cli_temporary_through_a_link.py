@@ -1,4 +1,5 @@
-"""calibrate --out wrote its temporary files, whose names can be guessed, through links."""
+"""calibrate --out followed links with the names of its temporary files, which can be
+guessed, and wrote through them."""
 import os
 import subprocess
 import sys
@@ -13,7 +14,7 @@ class TestTemporaryThroughALink(CliTest):
     def test_what_a_link_points_to_is_left_alone(self):
         os.mkdir(self.out)
         victim = write(self.folder, "victim", "as it was")
-        # The number of the shell is that of the program which it becomes.
+        # The shell's process number becomes that of the program.
         links = "; ".join(f"ln -s {victim} {self.out}/{name}.$$" for name in OUTPUTS)
         run = sound(subprocess.run(
             ["sh", "-c", links + "; exec \"$@\"", "sh", BIN, "calibrate", "--cameras",

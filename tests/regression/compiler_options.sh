@@ -1,6 +1,7 @@
 #!/bin/sh
 # Compiler options that break the library stop its compilation, with a message that names
-# them. Where the compiler does not tell of an option, CMake refuses it. Other options pass.
+# them. If the compiler does not report an option to the code, CMake refuses it. Other
+# options pass.
 #
 #   sh tests/regression/compiler_options.sh FOLDER
 set -eu
@@ -13,7 +14,7 @@ complain() {
     bad=1
 }
 
-# compiles COMPILER OPTION...: 0 when src/rigcal_linalg.c is accepted
+# compiles COMPILER OPTION...: status 0 if the compiler accepts src/rigcal_linalg.c
 compiles() {
     compiler=$1
     shift
@@ -23,7 +24,7 @@ compiles() {
         >"$out/compiler.txt" 2>&1
 }
 
-# The compiler must know an option before its refusal means something.
+# Only if the compiler knows an option does its refusal mean something.
 knows() {
     compiler=$1
     shift
@@ -96,7 +97,7 @@ for source in src/*.c; do
         2>"$out/compiler.txt" || complain "$source alone accepts -ffinite-math-only"
 done
 
-# The first program of a port tells of an option that no compiler tells of.
+# The first program of a port detects an option that no compiler reports.
 count=$((count + 1))
 clang -O1 -fno-honor-nans -Iinclude port/template/main_template.c src/*.c -lm \
     -o "$out/template"
@@ -106,7 +107,7 @@ elif ! grep -q NaN "$out/template.txt"; then
     complain "main_template.c says of -fno-honor-nans: $(cat "$out/template.txt")"
 fi
 
-# What a user of the library compiles is the user's.
+# Code of a user may be compiled with any option.
 echo '#include "rigcal.h"' >"$out/user.c"
 gcc -ffast-math -Iinclude -c "$out/user.c" -o "$out/object.o" ||
     complain "rigcal.h refuses -ffast-math of a user's file"
@@ -115,12 +116,12 @@ if gcc -DRIGCAL_REAL=float -Iinclude -c "$out/user.c" -o "$out/object.o" \
     complain "rigcal.h accepts -DRIGCAL_REAL=float of a user's file"
 fi
 
-# configured FLAGS [ARGUMENT...]: 0 when CMake takes the flags
+# configured FLAGS [ARGUMENT...]: status 0 if CMake accepts the flags
 configured() {
     flags=$1
     shift
     count=$((count + 1))
-    rm -f "$out/cmake/CMakeCache.txt" # what CMake knows of the compiler stays
+    rm -f "$out/cmake/CMakeCache.txt" # what CMake found out about the compiler stays
     cmake -S . -B "$out/cmake" -DCMAKE_C_COMPILER=clang -DRIGCAL_BUILD_TESTS=OFF \
         -DCMAKE_C_FLAGS="$flags" "$@" >"$out/cmake.txt" 2>&1
 }

@@ -1,6 +1,6 @@
 #!/bin/sh
-# A copy of the project that takes an old build/ along works like a fresh one: CMake refuses
-# the old cache, so the scripts make the folder anew. The original is left alone.
+# A copy of the project with an old build/ must work like a fresh one. CMake refuses the old
+# cache, so the scripts make the folder again. The original must not change.
 #
 #   sh tests/regression/copied_checkout.sh FOLDER
 set -eu
@@ -8,11 +8,11 @@ out=$(cd "$1" && pwd)
 
 mkdir "$out/first"
 tar -cf - --exclude=./build --exclude=./.git . | tar -xf - -C "$out/first"
-# Three builds: none has to be quick.
+# Three builds; none needs to be fast.
 sed -i 's/"CMAKE_BUILD_TYPE": "Release"/"CMAKE_BUILD_TYPE": "Debug"/' \
     "$out/first/CMakePresets.json"
 sh "$out/first/examples/run.sh" >"$out/first.txt" 2>&1 || { cat "$out/first.txt"; exit 1; }
-# Kept when it is built again in its place.
+# A file that must stay when it is built again in the same place.
 echo kept >"$out/first/build/release/kept"
 sh "$out/first/examples/run.sh" >"$out/first.txt" 2>&1 || { cat "$out/first.txt"; exit 1; }
 [ -e "$out/first/build/release/kept" ] ||
@@ -20,7 +20,7 @@ sh "$out/first/examples/run.sh" >"$out/first.txt" 2>&1 || { cat "$out/first.txt"
 
 cp -R "$out/first" "$out/second"
 cp "$out/first/build/release/CMakeCache.txt" "$out/before.txt"
-# What the copy builds is its own.
+# The copy must build its own sources.
 sed 's/\(RIGCAL_VERSION_PATCH\) [0-9]*$/\1 77/' "$out/first/include/rigcal.h" \
     >"$out/second/include/rigcal.h"
 for folder in "$out/second" "$out/third"; do

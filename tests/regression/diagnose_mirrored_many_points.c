@@ -1,4 +1,5 @@
-/* Mirrored coordinates were diagnosed of 64 points at most; of more, ERR_RANGE. */
+/* Mirrored coordinates were found for at most 64 points. With more the status was
+ * ERR_RANGE. */
 #include <math.h>
 #include <string.h>
 
@@ -59,7 +60,7 @@ static void test_a_flipped_image_is_told(void)
     rigcal_diagnosis d;
 
     TEST_ON_HOST_ONLY("67 poses of 96 points");
-    camera.p1 = RC(2e-2); /* the flip changes its sign */
+    camera.p1 = RC(2e-2); /* the flip changes the sign of this */
     camera.cy = RC(200);
     make(&camera);
     for (int i = 0; i < N; i++) {
@@ -71,7 +72,7 @@ static void test_a_flipped_image_is_told(void)
                      D(d.rms_mirrored_px) > D(d.rms_flipped_px));
 }
 
-/* The points that are tried are those farthest off. */
+/* The points that are farthest off are tried. */
 static void test_one_wrong_point_of_many_is_told(void)
 {
     const rigcal_camera camera = test_pinhole();

@@ -51,7 +51,7 @@ static void test_the_far_end_is_there(void)
 
     ASSERT_STATUS(RIGCAL_OK, rigcal_epiline_curve(uv, 3, &n, &camera, &b_from_a, ray,
                                                   RC(TOL(1e-300, 1e-37)), RC(far_a)));
-    /* At infinity the match is the ray's own direction. */
+    /* At infinity the match has the direction of the ray. */
     ASSERT_NEAR(camera.cx, uv[2 * n - 2], 1e-3);
     ASSERT_NEAR(camera.cy, uv[2 * n - 1], 1e-3);
 }

@@ -1,6 +1,6 @@
-/* Of pixels without any error the sum of squares is 0. The part of it that a fault takes
- * was 0 / 0: with assertions the test for faults ended the program, without them a fault's
- * bic meant nothing. */
+/* For pixels without any error the sum of squares is 0. The part of it that a fault
+ * explains was 0 / 0. With assertions the test for faults ended the program; without them
+ * the bic of a fault meant nothing. */
 #include <math.h>
 #include <string.h>
 
@@ -13,7 +13,7 @@ static test_rig r;
 static rigcal_real room[RIGCAL_FAULTS_WORK(CAMERAS, CAMERAS)];
 static rigcal_fault faults[FAULTS];
 
-/* Numbers of few bits throughout, so that no pixel is rounded. */
+/* All numbers have few bits, so that no pixel is rounded. */
 static void make_exact(void)
 {
     test_rng rng = test_seed(1);
@@ -65,7 +65,7 @@ static void test_exact_pixels_show_that_there_is_no_fault(void)
         ASSERT_NEAR(0, faults[i].gain, 0);
         ASSERT_NEAR(0, faults[i].sigma[0], 0);
         ASSERT_NEAR(1, faults[i].p, 0);
-        /* n log(1 - 0) + k log(n), of 48 numbers */
+        /* n log(1 - 0) + k log(n) for 48 numbers */
         ASSERT_NEAR(faults[i].n * log(48), faults[i].bic, TOL(1e-12, 1e-4));
     }
 }

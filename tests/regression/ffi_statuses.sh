@@ -23,7 +23,7 @@ cmake --preset shared >"$out/build.txt" 2>&1 &&
 rustc --edition 2021 -D warnings -O -o "$out/stereo" -L "$library" \
     -C link-arg="-Wl,-rpath,$library" examples/ffi/rust/stereo.rs
 
-# The data, altered by awk: $1 the name of the folder, $2 the program.
+# Changes the data by awk: $1 is the name of the folder, $2 the program.
 data() {
     mkdir "$out/$1"
     cp examples/data/opencv_stereo/cameras.csv "$out/$1"
@@ -45,7 +45,7 @@ for language in python rust; do
             "$out/stereo" "$@"
         fi >"$out/stdout.txt" 2>"$out/stderr.txt"
     }
-    # fails DATA TEXT: it ends, and says why
+    # fails DATA TEXT: the program must end and say why
     fails() {
         if run "$out/$1"; then
             complain "$language accepts the data $1"
@@ -63,7 +63,7 @@ for language in python rust; do
     fails apart "never saw the target in one place"
 done
 
-# A PATH without the other language.
+# A PATH without the tools of the other language.
 mkdir "$out/bin"
 for tool in sh dirname mktemp rm cc ld ar; do
     ln -s "$(command -v $tool)" "$out/bin/$tool"

@@ -1,4 +1,4 @@
-/* Lens coefficients of 1e308 passed the check of a camera, and overflowed later. */
+/* Lens coefficients of 1e308 passed the check of a camera, and caused an overflow later. */
 #include <math.h>
 #include <string.h>
 

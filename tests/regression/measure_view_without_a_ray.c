@@ -1,6 +1,6 @@
-/* A pixel just beyond where a lens turns back has no ray, but is as near to the point of the
- * other views as noise allows. It was counted among the views that agree, and so the point
- * was refused as ERR_NO_RAY. It is left out. */
+/* A pixel just beyond the place where a lens turns back has no ray. But noise may bring it
+ * that near to the point of the other views. The view was counted among those that agree,
+ * so the point was refused as ERR_NO_RAY. Now the view is left out. */
 #include <math.h>
 #include <string.h>
 

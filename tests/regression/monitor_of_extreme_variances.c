@@ -1,7 +1,7 @@
-/* Variances at the ends of the range. Those below the smallest normal number have no finite
- * inverse: a monitor began with covariances of NaN. After an answer to an alarm a body's
- * share of the evidence was above 1. Of two centres so near that the square of their
- * distance is 0, the baseline of the aligned pair was 0. */
+/* Variances at the ends of the range. A variance below the smallest normal number has no
+ * finite inverse: a monitor began with covariances of NaN. After an answer to an alarm, a
+ * body's share of the evidence was above 1. For two centres so close that the square of
+ * their distance is 0, the baseline of the aligned pair was 0. */
 #include <float.h>
 #include <math.h>
 #include <string.h>
@@ -67,9 +67,9 @@ static void test_centres_that_nearly_coincide(void)
     ASSERT_STATUS(RIGCAL_OK, rigcal_rectify(&rectified, &camera, &camera, &b_from_a));
 }
 
-/* A match whose variance overflows was refused, but had written into the sealed memory:
- * each call after it was refused too. Here the centres come ever nearer, so that a pixel is
- * ever more of their distance. */
+/* A match whose variance overflows was refused, but had already changed the sealed memory,
+ * so that each later call was refused too. Here the centres come closer and closer, so that
+ * a pixel is a larger and larger part of their distance. */
 static void test_variances_that_overflow(void)
 {
     static rigcal_real kept[RIGCAL_MONITOR_SIZE(2, 0)];

@@ -1,5 +1,5 @@
 #!/bin/sh
-# port/package.sh needs no Python but for the single file, says what is missing, and leaves
+# port/package.sh needs Python only for the single file, says what is missing, and leaves
 # nothing behind when it fails: neither a part of a package nor a temporary folder.
 #
 #   sh tests/regression/package_leaves_nothing.sh FOLDER
@@ -15,12 +15,12 @@ complain() {
     bad=1
 }
 
-# A PATH of what a shell script may expect, without Python.
+# A PATH with what a shell script may expect, but without Python.
 mkdir "$out/bin" "$out/tmp"
 for tool in sh sed mkdir cp rm ls cat find dirname basename mktemp; do
     ln -s "$(command -v $tool)" "$out/bin/$tool"
 done
-# cp that fails when it is called as often as CP_FAILS says, half of its work done.
+# A cp that fails at call number CP_FAILS, after half of its work.
 mkdir "$out/failing"
 cat >"$out/failing/cp" <<EOF
 #!/bin/sh
@@ -68,7 +68,7 @@ fails_cleanly "character" cmsis-pack "$out/there/new" 'https://example.org/<rigc
 fails_cleanly "sh port/package.sh WAY FOLDER" wrong "$out/there/new"
 [ "$(cat "$out/there/mine/file")" = mine ] || complain "a file of the user's was replaced"
 
-# Each cp of a package fails once: the last one puts it into its place.
+# Each cp of a package fails once. The last one puts the package into its place.
 export CP_CALLS="$out/calls.txt" CP_FAILS=0
 path=$out/failing:$PATH
 for way in arduino conan single_file; do
@@ -86,7 +86,7 @@ for way in arduino conan single_file; do
     done
 done
 
-# The single file replaces what it made itself, and nothing else.
+# The single file replaces only files that it made itself.
 python=${PYTHON:-python3}
 "$python" port/single_file/amalgamate.py "$out/single" >"$out/said.txt"
 "$python" port/single_file/amalgamate.py "$out/single" >"$out/said.txt" 2>&1 ||

@@ -1,8 +1,7 @@
-/* rigcal_pairs_choose of three points of which only two pairs give an equation returned
- * ERR_COINCIDENT, but had written those two pairs. A call that fails writes nothing.
- *
- * So far from the origin the third point is 8 roundings from the first one along each axis:
- * just no line, and just no direction. */
+/* For three points of which only two pairs give an equation, rigcal_pairs_choose returned
+ * ERR_COINCIDENT, but had written those two pairs. A call that fails must write nothing.
+ * Far from the origin, the third point is 8 roundings from the first one along each axis.
+ * So the points are just not on a line, and the pair just gives no direction. */
 #include "test_support.h"
 
 static void test_two_pairs_are_not_written(void)

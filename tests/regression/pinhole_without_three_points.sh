@@ -1,7 +1,7 @@
 #!/bin/sh
-# Where RIGCAL_WITH_THREE_POINTS is 0, a pose of a pinhole whose rays are far apart went on
-# with the frame of its first try: most points 60 degrees to one side, the others as far to
-# the other.
+# With RIGCAL_WITH_THREE_POINTS = 0, a pose of a pinhole whose rays are far apart used the
+# frame of its first try again: most points 60 degrees to one side, the others as far to the
+# other side.
 #
 #   sh tests/regression/pinhole_without_three_points.sh FOLDER
 set -eu

@@ -1,5 +1,5 @@
-/* rigcal_pose_covariance was symmetric to rounding only; rigcal_store_save keeps one
- * triangle. */
+/* rigcal_pose_covariance was symmetric only to rounding, but rigcal_store_save keeps only
+ * one triangle. */
 #include <math.h>
 #include <string.h>
 

@@ -1,5 +1,5 @@
-/* Points in normalised coordinates, focal length 1, were always AMBIGUOUS: the noise that
- * is assumed was in pixels. A good fit was OK and a bad one was too. */
+/* Points in normalised coordinates, with focal length 1, were always AMBIGUOUS, because the
+ * assumed noise was in pixels. Good and bad fits were both OK. */
 #include <math.h>
 #include <string.h>
 
@@ -54,7 +54,8 @@ static void test_the_statuses_are_those_of_pixels(void)
         ok += status[1] == RIGCAL_OK;
     }
     TEST_ASSERT_TRUE(ok > TEST_TRIALS(300) * 3 / 4);
-    TEST_ASSERT_TRUE(same >= TEST_TRIALS(300) - 3); /* near the limits of a verdict */
+    TEST_ASSERT_TRUE(same >= TEST_TRIALS(300) - 3); /* some are near the limits of a
+                                                       verdict */
 }
 
 static void test_a_bad_fit_is_poor(void)

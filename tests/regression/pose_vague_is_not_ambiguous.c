@@ -1,5 +1,5 @@
-/* AMBIGUOUS meant two things: another pose fits nearly as well, and the data hardly fix
- * the pose. */
+/* AMBIGUOUS meant two different things: another pose fits nearly as well, or the data
+ * hardly fix the pose. */
 #include <math.h>
 #include <string.h>
 

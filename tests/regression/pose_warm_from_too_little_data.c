@@ -1,5 +1,5 @@
-/* From a previous pose, two different points, or points on one line, were AMBIGUOUS with
- * probability 1, where a search says COLLINEAR. rigcal_pose_blame said OK of them. */
+/* From a previous pose, two different points, or points on one line, gave AMBIGUOUS with
+ * probability 1. A search says COLLINEAR. rigcal_pose_blame said OK. */
 #include <math.h>
 #include <string.h>
 
@@ -11,7 +11,7 @@ static rigcal_camera camera;
 static rigcal_observation seen[N];
 static rigcal_pose_options options;
 
-/* Points i on a line, or at two places of it; a previous pose that is nearly right. */
+/* Points on a line, or at two places of it, and a previous pose that is nearly right. */
 static void make(int at_two_places, int trial)
 {
     const double a = trial * 0.37, w[3] = {0.3 * sin(a), 0.4 * cos(a), 0.2};

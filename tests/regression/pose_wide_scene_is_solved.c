@@ -1,6 +1,6 @@
-/* A pose with a point 88 degrees off the axis was OK with probability 1.0, and 2 degrees
- * off: the refinement had stopped in a steep valley. Targets that surround the camera were
- * refused, with a status that spoke of rays 90 degrees off the axis. */
+/* A pose with a point 88 degrees off the axis was OK with probability 1.0, but wrong by 2
+ * degrees: the refinement had stopped in a steep valley. Targets that surround the camera
+ * were refused, with a status about rays 90 degrees off the axis. */
 #include <math.h>
 #include <string.h>
 
@@ -48,7 +48,7 @@ static void test_a_point_88_degrees_off_the_axis(void)
                                                &VIEW(&camera, seen, NULL, 4), NULL));
     test_rotation_about(R_true, RVEC, test_norm(RVEC));
     test_transform_parts(R, t, &poses[0].cam_from_world);
-    /* The pixels are given to 1e-6, the floats of 1000 to 6e-5. */
+    /* The pixels are given to 1e-6; floats near 1000 have steps of 6e-5. */
     ASSERT_NEAR(0, test_angle_between(R, R_true), TOL(1e-6, 1e-4));
     for (int k = 0; k < 3; k++) {
         ASSERT_NEAR(T[k], t[k], TOL(1e-6, 1e-4));
@@ -70,7 +70,7 @@ static void test_a_square_that_fills_more_than_the_view(void)
                                        &VIEW(&camera, seen, NULL, 4), NULL) >= 0);
 }
 
-/* Points in all directions 40 to `widest` degrees off the axis, noise-free. */
+/* Points without noise in all directions, 40 to `widest` degrees off the axis. */
 static void assert_surrounding_target_is_solved(rigcal_camera camera, double widest,
                                                 uint64_t seed)
 {

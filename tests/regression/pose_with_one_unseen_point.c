@@ -1,4 +1,4 @@
-/* One pixel beyond the lens's turning point lost a whole view of 70 points. */
+/* A single pixel beyond the lens's turning point made a whole view of 70 points fail. */
 #include <math.h>
 #include <string.h>
 
@@ -16,7 +16,7 @@ static void test_the_others_give_the_pose(void)
     rigcal_pose_options options;
     double R[9], found_R[9], found_t[3];
 
-    camera.k1 = RC(-0.3); /* turns back at 46 degrees, 622 px from the middle */
+    camera.k1 = RC(-0.3); /* folds at 46 degrees, 622 px from the middle */
     for (int trial = 0; trial < TEST_TRIALS(20); trial++) {
         const int unseen = (int)test_uniform(&rng, 0, N);
         int32_t at_fault = -2;
@@ -37,7 +37,7 @@ static void test_the_others_give_the_pose(void)
         }
         seen[unseen].uv[0] = RC(1000 + 100 * trial);
         ASSERT_STATUS(RIGCAL_OK, rigcal_pose_defaults(&options));
-        options.use_start = trial % 2; /* from a previous pose too */
+        options.use_start = trial % 2; /* also from a previous pose */
         options.start = test_transform(R, T);
         ASSERT_STATUS(RIGCAL_UNSEEN_POINT,
                       rigcal_pose_solve(poses, RIGCAL_POSES_MAX, &n_found, &at_fault,
@@ -49,7 +49,7 @@ static void test_the_others_give_the_pose(void)
     }
 }
 
-/* A second one is too much, and so is one of three points. */
+/* Two such pixels are refused. So is one of three. */
 static void test_two_are_refused(void)
 {
     static const double T[3] = {0, 0, 3};
@@ -84,11 +84,11 @@ static void test_two_are_refused(void)
     TEST_ASSERT_EQUAL_INT32(4, at_fault);
 }
 
-/* Where the rays go all around, the pixels behind the first that was far off were never
- * looked at: a pixel without a ray brought in what the stack had left there. */
+/* If the rays surround the camera, pixels after the first one that was far off were never
+ * looked at. A pixel without a ray then used whatever was on the stack. */
 static void test_one_of_a_target_that_surrounds_the_camera(void)
 {
-    enum { AROUND = 40 }; /* more than the triples take */
+    enum { AROUND = 40 }; /* more points than the triples use */
     static const double T[3] = {0.1, -0.2, 0.05};
     test_rng rng = test_seed(6);
     rigcal_observation seen[AROUND];

@@ -1,7 +1,7 @@
-/* Two weights in their range, 1e-300 and 1e30, made ERR_ROTATION of two equal poses. The
- * weights have become information: of any scale it joins, and of two scales as far apart as
- * a sum can hold. Farther apart, the sum holds one alone: ERR_DEGENERATE, or the same pose.
- * */
+/* Two weights within their range, 1e-300 and 1e30, gave ERR_ROTATION for two equal poses.
+ * Information has replaced the weights. The join accepts any scale, and two scales as far
+ * apart as a sum can hold. If they are farther apart, the sum holds only one of them: the
+ * result is ERR_DEGENERATE, or the same pose. */
 #include <string.h>
 
 #include "test_support.h"

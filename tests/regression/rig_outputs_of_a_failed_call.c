@@ -1,5 +1,5 @@
 /* rigcal_rig_weakest, _noise and _residuals wrote a part of their outputs before they found
- * that they must fail: the manual promises that a failed call writes none. */
+ * an error. The manual promises that a failed call writes none. */
 #include <string.h>
 
 #include "test_rigs.h"
@@ -8,7 +8,7 @@ static test_rig r;
 
 #define WANTS_RIG TEST_WANTS_RAM(sizeof(test_rig) + 12000)
 
-/* An adjusted rig; then the last point of the last view gets a place behind its camera. */
+/* An adjusted rig. Then the last point of the last view is moved behind its camera. */
 static void make_rig_that_fails(void)
 {
     test_rng rng = test_seed(22);

@@ -78,7 +78,7 @@ static void test_links_stay_in_their_memory(void)
     b.rig.view_pose_source = pose_that_changes;
     for (int k = 0; k < 4; k++) {
         calls = 0;
-        at = b.rig.n_views + 2; /* the second view, read again */
+        at = b.rig.n_views + 2; /* the second view, when it is read again */
         other_camera = (k < 3) ? WRONG[k] : 0;
         FILL(memory.after);
         ASSERT_STATUS((k < 3) ? RIGCAL_ERR_RANGE : RIGCAL_ERR_TWICE,

@@ -1,5 +1,6 @@
-/* The chance that wrong points agree was that of the rectangle of all pixels: one pixel far
- * off the image made it next to none, and four of eight wrong points were believed. */
+/* The chance that wrong points agree was computed for the rectangle of all pixels. One
+ * pixel far outside the image made it nearly 0, and four of eight wrong points were
+ * believed. */
 #include "test_support.h"
 
 enum { N = 8 };

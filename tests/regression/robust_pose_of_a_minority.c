@@ -1,5 +1,5 @@
-/* 10 of 40 points agree on a pose of a grid of tags that was shifted by one tag: OK,
- * although most points disagree. */
+/* If 10 of 40 points agree on the pose of a grid of tags that is shifted by one tag, the
+ * status was OK, although most points disagree. */
 #include <math.h>
 #include <string.h>
 
@@ -7,8 +7,8 @@
 
 enum { SIDE = 5, TAGS = 10, N = 4 * TAGS };
 
-/* Ten tags in two rows of five. The names of all but the last two tags of a row are
- * shifted by one, and those two are right. */
+/* Ten tags in two rows of five. The names of all tags except the last two of each row are
+ * shifted by one. Those two are right. */
 static void test_most_disagree_is_told(void)
 {
     const rigcal_camera camera = test_pinhole();
@@ -36,7 +36,7 @@ static void test_most_disagree_is_told(void)
         for (int k = 0; k < 2; k++) {
             uv[k] += 0.3 * test_normal(&rng);
         }
-        if (tag >= 2 + 1) { /* seven wrong tags: each as another wrong place */
+        if (tag >= 2 + 1) { /* seven wrong tags, each at another wrong place */
             X_named[0] += 0.7 + 0.31 * tag;
             X_named[2] -= 0.2 * tag;
         }
@@ -52,8 +52,7 @@ static void test_most_disagree_is_told(void)
     TEST_ASSERT_TRUE(n_inliers >= 12 && n_inliers < N / 2);
 }
 
-/* A real shift: every tag stands where its neighbour's coordinates say, but for the
- * last. */
+/* A real shift: every tag except the last has the coordinates of its neighbour. */
 static void test_half_that_agree_are_enough(void)
 {
     const rigcal_camera camera = test_pinhole();

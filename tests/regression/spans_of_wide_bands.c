@@ -1,4 +1,4 @@
-/* The spans of a band of some hundred pixels lacked those at a corner of the image: one
+/* The spans of a band some hundred pixels wide missed pixels at a corner of the image: one
  * border had left the image, and a straight line joined its end with the other border. */
 #include <string.h>
 
@@ -9,8 +9,8 @@ enum { WIDTH = 80, HEIGHT = 60 };
 
 static rigcal_spans_solver solver;
 
-/* b is 1 to the left and 1 above of a: the match of uv_a is at infinity on uv_a, nearer
- * further to the lower right. */
+/* Camera b is 1 to the left of and 1 above a. The match of uv_a is uv_a at infinity; the
+ * nearer the point, the farther it is to the lower right. */
 static void assert_band(const rigcal_real uv_a[2])
 {
     static const double t[3] = {1, 1, 0};

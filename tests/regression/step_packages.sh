@@ -7,7 +7,7 @@ set -eu
 out=$(cd "$1" && pwd)
 bad=0
 
-# A machine with no tools, and an apt-get that tells what it was asked for.
+# A machine without tools, and an apt-get that prints what it was asked for.
 mkdir "$out/bin"
 for tool in sh sed awk tr sort id mktemp tail rm cat env dirname grep; do
     ln -s "$(command -v $tool)" "$out/bin/$tool"
@@ -51,14 +51,15 @@ expect cppcheck cppcheck
 expect ffi cmake gcc ninja-build rustc
 expect mips cmake gcc-mips-linux-gnu ninja-build qemu-user xz-utils
 
-# Each step alone, and all of them.
+# Each step by itself, and all steps.
 PATH=$out/bin sh tests/run.sh "?" 2>"$out/known.txt" && exit 1
 known=$(sed -n 's/.*The steps are: //p' "$out/known.txt")
 count=0
 : >"$out/union.txt"
 for step in $known; do
     case $step in
-    shell | words | layout | manifests | vectors) continue ;; # would run here
+    shell | words | layout | manifests | vectors) continue ;; # these would run on this
+                                                              # machine
     esac
     found=$(asked "$step")
     if [ -z "$found" ]; then

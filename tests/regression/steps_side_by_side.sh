@@ -1,7 +1,7 @@
 #!/bin/sh
 # The steps of tests/run.sh that run side by side: each runs once; two that need the same
-# folder never at the same time; one that fails, or is killed, is told and stops no other; a
-# signal ends all that runs.
+# folder never at the same time; one that fails, or is killed, is reported and stops no
+# other; a signal ends all that runs.
 #
 #   sh tests/regression/steps_side_by_side.sh FOLDER
 set -u
@@ -27,7 +27,7 @@ run() {
     run_steps "$1" "$state/steps" >"$out/said.txt" 2>&1
 }
 
-# Each writes when it begins and when it ends.
+# Each step writes when it begins and when it ends.
 for lanes in 1 2 3; do
     run $lanes <<END
 try-1 gcc,build/a echo + a >>$log; sleep 1; echo - a >>$log
@@ -50,7 +50,7 @@ END
     [ -z "$(ls "$state/held")" ] || complain "$lanes lanes: folders are still held"
 done
 
-# Ended while two steps wait for programs of theirs.
+# A signal while two steps wait for their programs.
 rm -rf "$state"
 mkdir "$state"
 for n in 1 2; do
@@ -67,7 +67,7 @@ wait $main
 status=$?
 [ $status -eq 143 ] || complain "after SIGTERM the exit status is $status"
 for n in 1 2; do
-    for try in 1 2 3 4 5; do # seconds that the program may take to end
+    for try in 1 2 3 4 5; do # seconds after which the program must have ended
         kill -0 "$(cat "$out/$n.pid")" 2>/dev/null || break
         sleep 1
     done

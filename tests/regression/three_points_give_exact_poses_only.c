@@ -1,5 +1,5 @@
-/* Of exact images of three points, a few in a thousand returned besides the exact poses a
- * minimum that does not fit (rms 0.002 to 0.5 px). */
+/* For exact images of three points, a few in a thousand returned, besides the exact poses,
+ * a minimum that does not fit (rms 0.002 to 0.5 px). */
 #include <math.h>
 #include <string.h>
 
@@ -26,7 +26,7 @@ static void test_all_poses_fit_and_the_right_one_is_among_them(void)
     }
 }
 
-/* With the noise stated, a minimum that two poses have left is one of the answers. */
+/* If the noise is stated, the minimum at which two poses merged is one of the answers. */
 static void test_with_the_noise_stated_the_minimum_of_the_truth_is_found(void)
 {
     const rigcal_camera camera = test_pinhole();

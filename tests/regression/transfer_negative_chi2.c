@@ -1,5 +1,5 @@
-/* A Sigma of a rig that is no covariance, with a small negative variance, gave a chi2 of
- * the pair below 0, and RIGCAL_OK. */
+/* A Sigma that is not a covariance, with a small negative variance, gave a chi2 of the pair
+ * below 0, and RIGCAL_OK. */
 #include <string.h>
 
 #include "test_support.h"

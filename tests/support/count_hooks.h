@@ -1,11 +1,11 @@
-/* count_hooks.h - the library's math functions, each call of which is told to
- * test_bounds.c: how often a loop has run that the API does not count. */
+/* count_hooks.h - reports each call of the library's math functions to test_bounds.c. So it
+ * can count the passes of loops that the API does not count. */
 #ifndef COUNT_HOOKS_H
 #define COUNT_HOOKS_H
 
 enum { HOOK_SQRT, HOOK_FABS };
 
-/* Before the call of a hook, with x, in a function of the library. */
+/* Called before a math function that a function of the library calls with x. */
 void hook_called(int hook, const char *function, double x);
 
 #if RIGCAL_USE_FLOAT

@@ -25,7 +25,7 @@ die() {
 [ $# -eq 1 ] || die "usage: get_unity.sh DEST"
 dest=$1
 
-# True when folder $1 holds exactly the files the checksums are of.
+# Whether folder $1 holds exactly the files of the checksums.
 is_complete() {
     [ -d "$1" ] && (cd "$1" && echo "$sums" | sha256sum -c --status 2>/dev/null)
 }
@@ -70,7 +70,7 @@ done
 [ -s "$work/sources.list" ] || [ "$n" -gt 0 ] ||
     die "this machine's apt has no sources"
 
-# As root, apt would download as the user _apt, who cannot enter our folder.
+# As root, apt would download as the user _apt, who has no access to our folder.
 private_apt() {
     apt-get -q -o Dir::Etc::SourceList="$work/sources.list" \
         -o Dir::Etc::SourceParts="$work/parts" \
@@ -83,8 +83,8 @@ private_apt() {
         "$@"
 }
 
-# A third-party source without deb-src makes the update fail as a whole while
-# the others were read, so what decides is whether the package is found.
+# If a third-party source has no deb-src, the update fails as a whole although the others
+# were read. So only whether the package is found counts.
 private_apt update >"$work/log" 2>&1 || true
 if ! (cd "$work/download" &&
       private_apt source --download-only "$package" >>"$work/log" 2>&1); then
@@ -104,7 +104,7 @@ tar -xf "$tarball" -C "$work/tree" --strip-components=1 --wildcards \
 is_complete "$work/tree/tests/unity" ||
     die "$(basename "$tarball") carries a Unity that is not 2.5.1 as known here"
 
-# Into place in one move; losing the race to another build is no failure.
+# Moves the folder into place at once. If another build was faster, that is no failure.
 ready=$(mktemp -d "$dest.XXXXXX")
 cp "$work/tree/tests/unity/"unity*.[ch] "$ready"
 chmod 755 "$ready"

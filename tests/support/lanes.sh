@@ -11,10 +11,10 @@
 # mkdir makes a folder once, whoever asks: "$state/taken/NAME" is made by the lane that runs
 # the step, "$state/held/FOLDER" by the lane whose step needs build/FOLDER.
 
-# A step is a group of processes, so that all of it can be ended.
+# Each step is a group of processes, so that all of it can be ended.
 own_group=$(command -v setsid) || own_group=
 
-# What a step's log tells in one phrase: ctest's count, or its last line.
+# The step's log in one phrase: ctest's count, or the last line.
 summary() {
     if count=$(sed -n 's/.* tests failed out of \([0-9]*\)$/\1 tests/p' "$1") &&
             [ -n "$count" ]; then
@@ -24,12 +24,12 @@ summary() {
     fi
 }
 
-# Sets folders to those that the needs $1 name.
+# Sets `folders` to the folders that the needs $1 name.
 folders_of() {
     folders=$(echo "$1" | tr ',' '\n' | sed -n 's|^build/||p')
 }
 
-# Takes all of the folders that the needs $1 name, or none.
+# Takes all folders that the needs $1 name, or none.
 hold() {
     folders_of "$1"
     held=
@@ -55,14 +55,14 @@ end_step() {
     exit 143
 }
 
-# Sums what "times" wrote into the files, one of each step: a shell's line of its own time,
-# and one of its children's.
+# Adds up what "times" wrote into the files, one for each step: a line with the shell's own
+# time, and one with that of its children.
 processor_seconds() {
     cat "$@" | awk '{gsub("s", ""); for (i = 1; i <= 2; i++) {
         split($i, t, "m"); sum += 60 * t[1] + t[2]}} END {printf "%.0f", sum}'
 }
 
-# run_step NAME COMMAND: its shell's "times" are the processor's seconds of the step.
+# run_step NAME COMMAND: the "times" of its shell are the processor seconds of the step.
 run_step() {
     log=build/logs/$1.log
     begin=$(date +%s)
@@ -82,7 +82,7 @@ run_step() {
         : >"$state/ok/$1"
         echo "ok    $1: $(summary "$log"), $took"
     else
-        # In one piece: another lane may print as well.
+        # In one piece, because another lane may print at the same time.
         {
             echo "FAIL  $1: exit status $status, $took; the end of $log:"
             tail -n 30 "$log" | sed 's/^/      /'

@@ -1,9 +1,9 @@
-# Checks what the test programs do with a test's name: `program -n part_of_name` runs the
-# tests of that name, and fails when there is none.
+# Checks that test programs accept a test's name: `program -n part_of_name` runs the tests
+# of that name, and fails when there is none.
 #
 #   cmake -D "programs=PROGRAM;..." -P names.cmake
 
-# Runs `program` with the arguments that follow: sets `status` and `said`.
+# Runs `program` with the arguments that follow. Sets `status` and `said`, its output.
 function(run program)
     execute_process(COMMAND ${program} ${ARGN} RESULT_VARIABLE status
                     OUTPUT_VARIABLE said ERROR_VARIABLE said)
@@ -29,7 +29,7 @@ foreach(program IN LISTS programs)
         fail(${program} -l)
     endif()
 
-    # A name that is asked for and left out.
+    # A name that is first asked for and then left out.
     string(REGEX REPLACE "\n.*" "" name "${said}")
     run(${program} -n ${name} -x ${name})
     if(NOT status EQUAL 1)
@@ -37,7 +37,7 @@ foreach(program IN LISTS programs)
     endif()
 endforeach()
 
-# One program's tests are quick enough to be run: its last one, by a part of its name.
+# The tests of one program are fast enough to run: its last test, by a part of its name.
 list(GET programs 0 program)
 run(${program} -l)
 string(REGEX MATCHALL "test_[a-z0-9_]+" names "${said}")

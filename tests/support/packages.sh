@@ -33,7 +33,7 @@ install_missing() {
     fi
     echo "installing:$missing"
     log=$(mktemp)
-    # A broken third-party source fails the update; the install then decides.
+    # If a third-party source is broken the update fails. The installation then decides.
     as_root apt-get -q update >"$log" 2>&1 || true
     # shellcheck disable=SC2086 -- a list of packages
     if ! as_root env DEBIAN_FRONTEND=noninteractive apt-get -q -y \

@@ -37,7 +37,7 @@ clang_library() {
         ctest --preset "$1" -R '^(gate|bounds)$'
 }
 
-# What the preset would compile beside the library, as it would.
+# Compiles what the preset would compile besides the library, with the same options.
 warnings_of() {
     sed -n 's/^ *"command": "\(.*\)",*$/\1/p' "build/$1/compile_commands.json" |
         grep -v ' -c [^ ]*/src/' |
@@ -50,7 +50,7 @@ cli() {
     preset_build "$1" && RIGCAL_BIN=build/$1/rigcal $PYTHON tests/cli/test_cli.py
 }
 
-# Each script has an empty folder of its own.
+# Each script gets an empty folder of its own.
 regressions() {
     bad=
     count=0

@@ -40,7 +40,7 @@ static rigcal_camera any_lens(test_rng *rng, int kind, double size)
     return c;
 }
 
-/* Also a tenth of the image around it: next to where a lens folds nothing is linear. */
+/* Also a tenth of the image around it: close to a fold of the lens nothing is linear. */
 static int is_all_seen(const rigcal_camera *c)
 {
     for (int i = 0; i < 9; i++) {
@@ -165,7 +165,7 @@ static void look_at_depth(test_band_truth *truth, const test_bands *scene,
     }
     across = test_norm(towards);
     const double x = test_dot(m, q) * across, y = test_dot(m, towards) / across;
-    /* On the line: depth q + t is along x q + y towards. */
+    /* On the line the point depth q + t has the direction x q + y towards. */
     truth->depth_a = x / y - along;
     truth->ahead = fmin(y, x - along * y);
     nearest = x - (D(scene->pair.near_a) + along) * y;

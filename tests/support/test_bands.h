@@ -1,6 +1,6 @@
-/* test_bands.h - two cameras of any lens at random, and what is true of a pixel of each, in
- * doubles: by the six derivatives of (G24), one after the other, where the library has one
- * covariance of the line. */
+/* test_bands.h - two random cameras with any lens, and the truth about a pixel of each, in
+ * double. It uses the six derivatives of (M3), one after the other. The library has one
+ * covariance of the line instead. */
 #ifndef TEST_BANDS_H
 #define TEST_BANDS_H
 
@@ -17,24 +17,25 @@ typedef struct {
     rigcal_real uv_a[2];    /* in the image of a */
 } test_bands;
 
-/* Cameras beside, above and before each other, turned by up to 0.6 rad; a covariance with
- * all its cross terms; a depth range with both ends, with one, or with none. */
+/* Cameras beside, above and before each other, turned by up to 0.6 rad. The covariance has
+ * all cross terms. The depth range has both ends, one, or none. */
 void test_bands_random(test_bands *scene, test_rng *rng, int kind, double size);
 
-/* A pixel's ray, as the library has it, and its derivative by differences of the pixel of
- * the ray. 0: no ray. */
+/* The ray of a pixel, as the library computes it, and its derivative by differences of the
+ * pixel of the ray. Returns 0 if there is no ray. */
 typedef struct {
     double m[3], D[2][3];
 } test_ray;
 int test_ray_of(test_ray *ray, const rigcal_camera *camera, const rigcal_real uv[2]);
 
-/* What a band knows of a pixel of b. */
+/* What a band says about a pixel of b. */
 typedef struct {
     double s, variance, slope; /* |ds/du_b| */
     double chi2, depth_a;
-    double ahead; /* of the rays' meeting, along both; not above 0: behind one of them */
+    double ahead; /* depth of the place where the rays meet, along both; at most 0: behind a
+                     camera */
     int is_inside;
-    double margin; /* how far from being otherwise, in parts */
+    double margin; /* how far it is from the opposite answer, as a part */
 } test_band_truth;
 void test_band_look(test_band_truth *truth, const test_bands *scene, const test_ray *a,
                     const test_ray *b);

@@ -7,7 +7,7 @@
 
 static const double DISTANCE = 4, ARC = 1.2;
 
-/* cam_from_world: on an arc about the origin, looking at it. */
+/* cam_from_world: on an arc about the origin; the camera looks at it. */
 static rigcal_transform camera_at(test_rng *rng, int index, int n)
 {
     const double azimuth = (index - 0.5 * (n - 1)) * ARC / fmax(n - 1, 1);
@@ -94,7 +94,7 @@ void test_boards_make(test_boards *b, test_rng *rng, int n_cameras, int n_places
         int n = 0;
 
         b->true_places[f] = test_times(&first, &place);
-        for (int c = 0; c < n_cameras; c++) { /* as many as are wanted, at random */
+        for (int c = 0; c < n_cameras; c++) { /* the wanted number of cameras, at random */
             const int left = n_cameras - c;
             if (test_uniform(rng, 0, 1) * left < seen - n) {
                 see(b, rng, c, f, noise_px, pattern_px);

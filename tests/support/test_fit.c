@@ -23,7 +23,7 @@ static double middle_of(double middle[3], const test_data *data)
     return sqrt(size);
 }
 
-/* Errors over sigma, 2 n of them; their sum of squares. `t` is that of the middle. */
+/* The 2 n errors over sigma, and their sum of squares. `t` is the place of the middle. */
 static double errors_of(double e[], const test_data *data, const double middle[3],
                         const double R[9], const double t[3])
 {
@@ -141,8 +141,8 @@ double test_squared_distance(const double d[], const double A[], int n)
     return sum;
 }
 
-/* J^T J and J^T e by central differences, in turns by a unit of angle and moves by
- * the target's size, which makes the numbers alike. */
+/* J^T J and J^T e by central differences. The unit of moves is the target's size, so that
+ * angles and moves have similar numbers. */
 static void equations_of(double H[36], double g[6], const test_data *data,
                          const double middle[3], double size, const double R[9],
                          const double t[3])
@@ -195,7 +195,7 @@ int test_fit(test_fitted *fitted, const test_data *data)
         double H[36], g[6];
 
         equations_of(H, g, data, middle, size, fitted->R, t);
-        done = 1; /* unless something is gained */
+        done = 1; /* unless this step gains something */
         for (int tries = 0; tries < 12; tries++) {
             double A[36], d[6], R2[9], t2[3], sse;
 
@@ -235,7 +235,7 @@ int test_fit(test_fitted *fitted, const test_data *data)
     return done;
 }
 
-/* Powers of (trace C - C) leave the direction of least extent. */
+/* Powers of (trace C - C) converge to the direction of least extent. */
 static void thin_direction(double normal[3], const test_data *data, const double middle[3])
 {
     double C[9] = {0}, trace = 0;
@@ -274,8 +274,8 @@ static void thin_direction(double normal[3], const test_data *data, const double
     }
 }
 
-/* H = I - 2 v v^T mirrors the points across the plane that faces the camera;
- * H R (I - 2 N N^T) is a rotation that does the same to a target of normal N. */
+/* H = I - 2 v v^T mirrors the points in the plane that faces the camera. H R (I - 2 N N^T)
+ * is a rotation that does the same to a target with the normal N. */
 void test_mirror_tilt(test_fitted *mirrored, const test_data *data, const double R[9],
                       const double t[3])
 {
@@ -306,7 +306,8 @@ double test_lower(const double H[21], int i, int j)
     return H[i >= j ? i * (i + 1) / 2 + j : j * (j + 1) / 2 + i];
 }
 
-/* By w and by dt xx, xy, xz, yy, yz, zz, and across, in this order: w, across, dt. */
+/* The blocks of w and of dt have the order xx, xy, xz, yy, yz, zz. The order of the blocks
+ * is w, across, dt. */
 double test_in_blocks(const rigcal_real H[21], int i, int j)
 {
     static const int SYMMETRIC[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};

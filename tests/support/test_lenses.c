@@ -31,14 +31,14 @@ const test_lens_row TEST_LENSES[TEST_N_LENSES] = {
      959.5, 599.5, 0.27629944, 0, -0.0493503136, -0.0119053394, 0, 0, 0, 0},
     {"pose2sim cam01", BROWN, 1088, 1920, 1681.24487, 1681.07544, 532.973694,
      948.13739, -0.046183, 0.139983, 0.000608, 0.00069, 0, 0, 0, 0},
-    /* Of the kinds that OpenCV's rational model gives. */
+    /* Kinds of lens that OpenCV's rational model describes. */
     {"rational, 90 degrees", BROWN, 1280, 720, 611, 610.6, 637.2, 369.4,
      0.455, -2.51, 0.0006, -0.0002, 1.44, 0.336, -2.34, 1.37},
     {"rational, 120 degrees", BROWN, 1024, 1024, 504.4, 504.5, 514.2, 521.9,
      5.2, 2.6, -0.00005, 0.00003, 0.13, 5.5, 4.1, 0.7},
     {"rational, wide", BROWN, 1920, 1080, 950, 955, 940, 560,
      5.1, 2.2, 0.0003, 0.0002, 0.11, 5.4, 4.1, 0.62},
-    /* Each way in which a polynomial can bend. */
+    /* All ways in which a polynomial can bend. */
     {"barrel whose circle ends in the image", BROWN, 1280, 960, 500, 500, 640,
      480, -0.4, 0, 0, 0, 0, 0, 0, 0},
     {"strong barrel held by k2", BROWN, 1280, 960, 420, 425, 631, 488,

@@ -17,7 +17,7 @@ static rigcal_transform camera_at(test_rng *rng, int index, int n)
     return test_transform(R, t);
 }
 
-/* A hand's path: three slow swings in each direction would look the same. */
+/* The path of a hand. Each direction has three slow swings, so the path does not repeat. */
 static void path_at(motion_path *p, test_rng *rng, const motion_scene *scene,
                     const rigcal_transform *first)
 {
@@ -42,7 +42,7 @@ static void path_at(motion_path *p, test_rng *rng, const motion_scene *scene,
     }
 }
 
-/* At the time t after the middle of the run. */
+/* The place at the time t after the middle of the run. */
 static rigcal_transform place_at(const motion_path *p, double t)
 {
     double d[6], axis[3], turn[9], R[9];
@@ -137,7 +137,7 @@ void test_motions_make(test_motions *m, test_rng *rng, const motion_scene *scene
         m->true_drifts[c] = scene->drift * test_uniform(rng, -1, 1);
     }
     for (int c = scene->cameras - 1; c >= 0;
-         c--) { /* the first camera's time is the time */
+         c--) { /* the time of the first camera is the true time */
         m->true_offsets[c] -= m->true_offsets[0];
         m->true_drifts[c] -= m->true_drifts[0];
     }

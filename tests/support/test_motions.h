@@ -1,7 +1,6 @@
-/* test_motions.h - a simulated rig whose cameras have clocks of their own: a board of 20
- * points that moves in front of it, in runs of frames that follow each other. The pixels
- * are those of the true path, which no polynomial is. Truth and projection are in double.
- * */
+/* test_motions.h - a simulated rig whose cameras have clocks of their own. A board of 20
+ * points moves in front of it, in runs of consecutive frames. The pixels are those of the
+ * true path, which is not a polynomial. Truth and projection are in double. */
 #ifndef TEST_MOTIONS_H
 #define TEST_MOTIONS_H
 
@@ -16,13 +15,13 @@ enum {
                   RIGCAL_CLOCKS_WORK(MOTION_CAMERAS_MAX, MOTION_CAMERAS_MAX)
 };
 
-/* What is recorded. */
+/* The settings of a recording. */
 typedef struct {
     int cameras, runs, frames; /* of each run */
-    double fps, speed, turn;   /* the board's, rms: m/s, rad/s */
-    double pause;              /* from the middle of a run to that of the next [s] */
+    double fps, speed, turn;   /* rms speeds of the board: m/s, rad/s */
+    double pause;              /* from the middle of one run to that of the next [s] */
     double offset, drift,
-        stamp; /* clocks within +- that, and noise of a view's stamp [s] */
+        stamp; /* clocks are within +- this; noise of a view's stamp [s] */
     double noise_px;
 } motion_scene;
 
@@ -35,8 +34,8 @@ typedef struct {
     double X[MOTION_POINTS][3];
     rigcal_transform true_cams[MOTION_CAMERAS_MAX];
     double true_offsets[MOTION_CAMERAS_MAX], true_drifts[MOTION_CAMERAS_MAX];
-    motion_path paths[MOTION_PLACES_MAX]; /* of each placement: that of its run */
-    /* what is handed in; `rig` points to the rest */
+    motion_path paths[MOTION_PLACES_MAX]; /* for each placement: the path of its run */
+    /* the arguments of calls; `rig` points to the other arrays */
     rigcal_transform cams[MOTION_CAMERAS_MAX], places[MOTION_PLACES_MAX];
     int32_t group[MOTION_CAMERAS_MAX], states[MOTION_CAMERAS_MAX];
     rigcal_rig_view views[MOTION_VIEWS_MAX];
@@ -48,27 +47,28 @@ typedef struct {
     rigcal_real work[MOTION_WORK];
     uint8_t left_out[MOTION_VIEWS_MAX];
     rigcal_rig rig;
-    rigcal_rig_clocks clocks; /* which the rig does not have so far */
+    rigcal_rig_clocks clocks; /* the rig does not use these until it is told to */
 } test_motions;
 
-/* A rig at random, of which all cameras see all placements; the first one has offset and
- * drift 0. It stands at the truth as it would be without clocks. */
+/* A random rig. All cameras see all placements. The first camera has offset and drift 0.
+ * The poses are the true ones for a rig without clocks. */
 void test_motions_make(test_motions *m, test_rng *rng, const motion_scene *scene);
 
-/* rig_from_placement of placement f, `after` its stamp. */
+/* The true rig_from_placement of placement f, `after` its stamp. */
 rigcal_transform test_motions_at(const test_motions *m, int f, double after);
 
-/* The pose of every view by itself, from where it stands. */
+/* The pose of every view by itself, refined from the present poses. */
 void test_motions_solve(test_motions *m);
 
 /* Cameras and placements as test_motions_make left them, offsets and drifts 0. */
 void test_motions_reset(test_motions *m);
 
-/* d^T Sigma^-1 d / n: d by which the cameras but the first are off, Sigma the covariance
- * after an adjustment of this rig, for noise of sigma_px; n unknowns. */
+/* d^T Sigma^-1 d / n. d is the error of all cameras except the first. Sigma is the
+ * covariance after an adjustment of this rig, for noise of sigma_px. n is the number of
+ * unknowns. */
 double test_motions_error2(const test_motions *m, const double inverse[]);
 
-/* inverse[n n], n = 6 (cameras - 1): that Sigma^-1. */
+/* inverse[n n] is that Sigma^-1, n = 6 (cameras - 1). */
 void test_motions_information(double inverse[], const test_motions *m, double sigma_px);
 
 #endif /* TEST_MOTIONS_H */

@@ -52,6 +52,6 @@ rigcal_status test_solve_pose(test_problem *p, const rigcal_pose_options *option
     p->n_found = 0;
     p->status = rigcal_pose_solve(p->poses, RIGCAL_POSES_MAX, &p->n_found, &at_fault,
                                   &VIEW_OF(p), options);
-    TEST_ASSERT_TRUE(at_fault >= -1 && at_fault < p->scene.n); /* always written */
+    TEST_ASSERT_TRUE(at_fault >= -1 && at_fault < p->scene.n); /* it is always written */
     return p->status;
 }

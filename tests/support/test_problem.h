@@ -15,23 +15,23 @@ typedef struct {
     rigcal_status status;
 } test_problem;
 
-/* The view of a problem, to hand in: &VIEW_OF(&p). */
+/* The view of a problem, as an argument: &VIEW_OF(&p). */
 #define VIEW_OF(p) VIEW(&(p)->camera, (p)->o, test_sigma_of(p), (p)->scene.n)
 
-/* NULL where the problem has none. */
+/* NULL if the problem has none. */
 const rigcal_real *test_sigma_of(const test_problem *p);
 test_data test_data_of(const test_problem *p);
 
-/* The exact image of the scene by the camera; no sigma. */
+/* The exact image of the scene in the camera; without sigma. */
 void test_observe(test_problem *p);
 
-/* A random scene and its exact image by a pinhole. */
+/* A random scene and its exact image in a pinhole. */
 void test_random_problem(test_problem *p, test_rng *rng, int n, test_shape shape);
 
-/* Normal noise of sigma_px, times the sigma of each point. */
+/* Adds normal noise of sigma_px, times the sigma of each point. */
 void test_add_noise(test_problem *p, test_rng *rng, double sigma_px);
 
-/* The defaults, with the noise stated; 0: not. */
+/* The default options with this noise; 0: it is not stated. */
 rigcal_pose_options test_options(double sigma_px);
 
 rigcal_status test_solve_pose(test_problem *p, const rigcal_pose_options *options);

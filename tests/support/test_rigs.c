@@ -53,7 +53,8 @@ void test_rig_random(test_rig *r, test_rng *rng, int n_cameras, int n_placements
         r->true_places[f] = placement_of(rng);
     }
     for (int i = 0; i < n_points; i++) {
-        for (int k = 0; k < 3; k++) { /* spread, so that no view is weak */
+        for (int k = 0; k < 3; k++) { /* spread out, so that every view has enough
+                                         information */
             r->X[i][k] =
                 (double)(float)(((i >> k) & 1 ? 0.5 : -0.5) + test_uniform(rng, -0.2, 0.2));
         }

@@ -8,14 +8,14 @@
 
 #ifdef UNITY_USE_COMMAND_LINE_ARGS
 
-/* Unity declares neither. */
+/* Unity does not declare these. */
 int UnityTestMatches(void);
 extern char *UnityOptionIncludeNamed;
 
 static int lists_only;
 
-/* Returns whether the command line asks for the test `name`. Unity would look for the text
- * in the name of the file too. */
+/* Whether the command line asks for the test `name`. Unity would also search for the text
+ * in the name of the file. */
 static int is_asked_for(const char *name)
 {
     const char *const file = Unity.TestFile;
@@ -100,7 +100,7 @@ int test_main(int argc, char *argv[], const char *file, void (*run_tests)(void))
 
 /* ---- numbers ------------------------------------------------------------- */
 
-/* Through a volatile, so that no compiler folds or warns. */
+/* By a volatile variable, so that no compiler evaluates it or warns. */
 double test_nan(void)
 {
     volatile double zero = 0;
@@ -147,7 +147,7 @@ void test_assert_near(double expected, double actual, double tol, int index, int
 {
     char where[32] = "", message[160];
 
-    /* So put, a NaN anywhere fails too. */
+    /* In this form a NaN anywhere fails too. */
     if (isfinite(expected) && fabs(actual - expected) <= tol) {
         return;
     }
@@ -168,7 +168,7 @@ void test_assert_array_near(const double expected[], const rigcal_real actual[],
     }
 }
 
-/* Finite and unlikely, read as either float type or as an integer. */
+/* An unlikely finite number, whether read as a float, a double or an integer. */
 enum { PATTERN = 0xA5 };
 
 void test_fill(void *object, size_t size)
@@ -325,7 +325,7 @@ void test_rotation_about(double R[9], const double axis[3], double angle)
     R[8] = c + z * z * versine;
 }
 
-/* A direction on the sphere for the last row, any turn about it. */
+/* A random direction for the last row, and any turn about it. */
 void test_random_rotation(double R[9], test_rng *rng)
 {
     const double yaw = test_uniform(rng, -TEST_PI, TEST_PI);
@@ -513,7 +513,7 @@ static void place_points(test_scene *scene, test_rng *rng, test_shape shape)
         x[2] = planar ? 0 : test_uniform(rng, -0.5, 0.5);
         test_apply(scene->X[i], Q, x, s);
     }
-    /* The camera: anywhere, but not in the plane. */
+    /* Places the camera anywhere, except near the plane of the target. */
     for (;;) {
         double view[3], normal[3];
         const double distance = test_uniform(rng, 3, 10);

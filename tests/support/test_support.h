@@ -34,7 +34,7 @@
     } \
     TEST_MAIN_WITH_SETUP()
 
-/* The same, of a file with setUp and tearDown of its own. */
+/* The same for a file with setUp and tearDown of its own. */
 #define TEST_MAIN_WITH_SETUP() \
     static void run_tests(void); \
     int main(int argc, char *argv[]) \
@@ -51,10 +51,9 @@ int test_main(int argc, char *argv[], const char *file, void (*run_tests)(void))
 
 /* ---- how much ------------------------------------------------------------ */
 
-/* A host tries everything. An emulated microcontroller computes in double a hundred
- * times as slowly: the build tells it to take one in RIGCAL_TEST_ONE_IN of a test's
- * trials, and to leave out, with the reason, what means nothing with so few or does
- * not fit. */
+/* A host runs all trials. An emulated microcontroller computes in double a hundred times
+ * slower. So its build runs one in RIGCAL_TEST_ONE_IN of a test's trials. It leaves out,
+ * with the reason, tests that mean nothing with so few trials, or that do not fit. */
 #ifndef RIGCAL_TEST_ONE_IN
 #define RIGCAL_TEST_ONE_IN 1
 #endif
@@ -68,8 +67,8 @@ enum { TEST_ONE_IN = RIGCAL_TEST_ONE_IN };
         } \
     } while (0)
 
-/* Bytes of RAM that the build says there are; what a test wants of them, code and
- * C library apart. */
+/* Bytes of RAM that the build states. Bytes that a test needs, without code and C
+ * library. */
 #ifndef RIGCAL_TEST_RAM
 #define RIGCAL_TEST_RAM 1000000
 #endif
@@ -92,19 +91,19 @@ enum { TEST_ONE_IN = RIGCAL_TEST_ONE_IN };
 
 #define TEST_PI 3.14159265358979323846
 
-/* What hostile callers pass. */
+/* Arguments of hostile callers. */
 #define TEST_NAN ((rigcal_real)test_nan())
 #define TEST_INF ((rigcal_real)test_infinity())
 double test_nan(void);
 double test_infinity(void);
 
-/* n numbers from double to rigcal_real and back. */
+/* Converts n numbers from double to rigcal_real, and back. */
 void test_to_real(rigcal_real out[], const double in[], size_t n);
 void test_to_double(double out[], const rigcal_real in[], size_t n);
 
 /* ---- assertions ---------------------------------------------------------- */
 
-/* Statuses, told by name when they differ. */
+/* Compares statuses. If they differ, the message has their names. */
 #define ASSERT_STATUS(expected, actual) test_assert_status((expected), (actual), __LINE__)
 
 /* |actual - expected| <= tol, both finite: Unity's own comparison of doubles
@@ -112,18 +111,18 @@ void test_to_double(double out[], const rigcal_real in[], size_t n);
 #define ASSERT_NEAR(expected, actual, tol) \
     test_assert_near((double)(expected), (double)(actual), (double)(tol), -1, __LINE__)
 
-/* The same for n numbers: doubles expected, rigcal_reals seen. */
+/* The same for n numbers: expected doubles, and rigcal_reals that were computed. */
 #define ASSERT_ARRAY_NEAR(expected, actual, n, tol) \
     test_assert_array_near((expected), (actual), (size_t)(n), (double)(tol), __LINE__)
 
-/* Outputs that a failing call must leave alone: fill the object (a struct, a
- * number or an array, not a pointer) with a pattern, call, see that it is still
+/* Outputs that a failing call must not change. Fill the object (a struct, a number or an
+ * array, not a pointer) with a pattern, make the call, and check that the pattern is still
  * there. */
 #define FILL(object) test_fill(&(object), sizeof(object))
 #define ASSERT_UNTOUCHED(object) \
     test_assert_untouched(&(object), sizeof(object), #object, __LINE__)
 
-/* All of it: `call` fails with `expected` and leaves `output` alone. */
+/* Does all of this: `call` must fail with `expected` and not change `output`. */
 #define ASSERT_REFUSED(expected, output, call) \
     do { \
         FILL(output); \
@@ -153,22 +152,22 @@ double test_normal(test_rng *rng); /* mean 0, deviation 1: sum of 12 uniforms */
 
 /* R = Rz(yaw) Ry(pitch) Rx(roll), product of the three matrices. */
 void test_rotation(double R[9], double yaw, double pitch, double roll);
-/* Right-handed by `angle` about `axis` of any length but zero. */
+/* A right-handed rotation by `angle` about `axis`, of any length but zero. */
 void test_rotation_about(double R[9], const double axis[3], double angle);
-/* Uniform over all rotations. */
+/* A rotation that is uniform over all rotations. */
 void test_random_rotation(double R[9], test_rng *rng);
 
 void test_product(double C[9], const double A[9], const double B[9]);
 void test_transpose(double At[9], const double A[9]);
 void test_apply(double y[3], const double R[9], const double x[3],
-                const double t[3]); /* y = R x + t; t NULL: none */
+                const double t[3]); /* y = R x + t; t = NULL: without t */
 void test_cross(double c[3], const double a[3], const double b[3]);
 double test_dot(const double a[3], const double b[3]);
 double test_norm(const double a[3]);
 double test_determinant(const double A[9]);
 
-/* The rows of R_t are right-handed axes: z along `z`, x along the part of `near_x` across
- * it. */
+/* The rows of R_t are right-handed axes: z along `z`, x along the part of `near_x` that is
+ * across z. */
 void test_axes_of(double R_t[9], const double near_x[3], const double z[3]);
 
 /* Angle between two rotations, [0, pi], from the distance of the matrices. */
@@ -181,21 +180,21 @@ void test_project(double xy[2], const double R[9], const double t[3], const doub
  * check whether the lens reaches that far. */
 void test_project_px(double uv[2], const rigcal_camera *camera, const double X_c[3]);
 
-/* A transform of the library's from doubles and back (t or R may be NULL). */
+/* Converts a transform from doubles, and back (t or R may be NULL). */
 rigcal_transform test_transform(const double R[9], const double t[3]);
 void test_transform_parts(double R[9], double t[3], const rigcal_transform *T);
 
 /* ---- transforms ------------------------------------------------------------ */
 
 rigcal_transform test_from_ypr(const double ypr[3], const double t[3]);
-/* Any rotation, t within 5. */
+/* A random rotation, and t within 5. */
 rigcal_transform test_random_transform(test_rng *rng);
-/* A rotation about an axis of any length but zero, t = 0. */
+/* A rotation about an axis of any length but zero; t = 0. */
 rigcal_transform test_turned_about(const double axis[3], double angle);
 rigcal_transform test_times(const rigcal_transform *c_from_b,
                             const rigcal_transform *b_from_a);
 rigcal_transform test_inverse(const rigcal_transform *b_from_a);
-/* X_b of a point X_a. */
+/* The X_b of a point X_a. */
 void test_move_point(double X_b[3], const rigcal_transform *b_from_a, const double X_a[3]);
 
 /* Each entry of R and of t within its tolerance. */
@@ -211,28 +210,27 @@ void test_assert_rotation(const double R[9], double tol, int line);
 
 /* ---- views ----------------------------------------------------------------- */
 
-/* What one camera saw, to hand in: &VIEW(&camera, observations, NULL, 6). */
+/* A view as an argument: &VIEW(&camera, observations, NULL, 6). */
 #define VIEW(camera, observations, sigma, n) \
     ((const rigcal_view){(camera), (observations), (sigma), (size_t)(n)})
 
 /* ---- a random camera before a random target ------------------------------ */
 
-/* A test that wants more points than memory has room for is left out. */
+/* A test that needs more points than the memory holds is left out. */
 #define TEST_SCENE_MAX (RIGCAL_TEST_RAM < 32768 ? 20 : 64)
 #define TEST_MANY (TEST_SCENE_MAX < 50 ? TEST_SCENE_MAX : 50)
 
 typedef enum {
     TEST_GENERAL, /* anywhere in a unit cube */
-    TEST_PLANAR,  /* in a unit square, the square anyhow in space */
+    TEST_PLANAR,  /* in a unit square with any orientation in space */
     TEST_SQUARE   /* planar, the first four nearly the corners of a square */
 } test_shape;
 
-/* The camera stands 3 to 10 sizes away, the target's middle up to 20 degrees
- * off its axis, any way up and seen from any side, though a planar one never
- * within 15 degrees of edge-on. */
+/* The camera is 3 to 10 sizes away. The target's middle is up to 20 degrees off its axis,
+ * with any orientation. A planar target is never within 15 degrees of edge-on. */
 typedef struct {
     int n;
-    double X[TEST_SCENE_MAX][3];  /* the target, of size 1, its origin within 2 */
+    double X[TEST_SCENE_MAX][3];  /* the target: size 1, its origin within 2 */
     double R[9], t[3];            /* cam_from_world */
     double ypr[3];                /* of R */
     double xy[TEST_SCENE_MAX][2]; /* exact normalised image points */
@@ -241,7 +239,7 @@ typedef struct {
 
 void test_scene_random(test_scene *scene, test_rng *rng, int n, test_shape shape);
 
-/* What the library is handed: rays (x, y, 1), or pixels of `camera`. */
+/* The input of the library: rays (x, y, 1), or pixels of `camera`. */
 void test_bearings(rigcal_bearing out[], const test_scene *scene);
 void test_observations(rigcal_observation out[], const test_scene *scene,
                        const rigcal_camera *camera);
@@ -250,7 +248,7 @@ void test_observations(rigcal_observation out[], const test_scene *scene,
  * vectors. */
 rigcal_camera test_camera(const double v[15]);
 
-/* A camera without distortion, 800 pixels of focal length, 640 x 480. */
+/* A camera without distortion: focal length 800 pixels, image 640 x 480. */
 rigcal_camera test_pinhole(void);
 
 #endif /* TEST_SUPPORT_H */

@@ -15,8 +15,8 @@ static void unit(double v[3])
     }
 }
 
-/* Camera of n, on the arc: its z axis meets the origin, its x axis is level, but for a turn
- * about z. */
+/* A camera of n on the arc. Its z axis meets the origin; its x axis is level, except for a
+ * turn about z. */
 static rigcal_transform camera_on_arc(test_rng *rng, int index, int n, double distance)
 {
     static const double up[3] = {0, 0, 1}, ahead[3] = {0, 0, 1};
@@ -44,7 +44,7 @@ static rigcal_transform camera_on_arc(test_rng *rng, int index, int n, double di
     return test_transform(R, t);
 }
 
-/* Its normal is at most some 50 degrees from the middle of the arc. */
+/* A tag whose normal is at most some 50 degrees from the middle of the arc. */
 static rigcal_transform tag_placed(test_rng *rng)
 {
     double z[3] = {1, 0.8 * test_uniform(rng, -1, 1), 0.8 * test_uniform(rng, -1, 1)};
@@ -160,7 +160,7 @@ void test_tags_solve(test_tags *t)
             }
             if (rigcal_view_pose_make(i ? &t->second[v] : &t->own[v], view,
                                       &poses[i].cam_from_world) != RIGCAL_OK) {
-                TEST_ASSERT_EQUAL(1, i); /* the second is none then */
+                TEST_ASSERT_EQUAL(1, i); /* then there is no second pose */
             }
         }
     }

@@ -7,32 +7,32 @@
 #include "test_support.h"
 
 typedef struct {
-    double distance;   /* of the cameras from the placements */
-    double share_seen; /* of all views, at random; 1: all */
+    double distance;   /* distance of the cameras from the placements */
+    double share_seen; /* share of all possible views, chosen at random; 1: all */
     double noise_px;
     /* the truth */
     rigcal_transform *true_cams, *true_places;
-    uint8_t *right; /* of each view: which of its poses is nearer to the truth */
-    /* what is handed in; `rig` and `choice` point to the rest */
+    uint8_t *right; /* for each view: which of its poses is nearer to the truth */
+    /* the arguments of calls; `rig` and `choice` point to the other arrays */
     rigcal_camera camera;
     rigcal_transform *cams, *places;
     int32_t *group;
     rigcal_rig_view *views;
     rigcal_view_pose *own, *second;
-    rigcal_observation *o; /* 4 of each view */
+    rigcal_observation *o; /* 4 for each view */
     uint8_t *takes;
     rigcal_real *work;
     rigcal_rig rig;
     rigcal_choice choice;
 } test_tags;
 
-/* Reals to choose and to adjust in. */
+/* Reals of memory for the choice and the adjustment. */
 #define TEST_TAGS_WORK(C, F) \
     (RIGCAL_CHOOSE_WORK(C, F, (C) * (F)) > RIGCAL_RIG_WORK(C, C, F) \
          ? RIGCAL_CHOOSE_WORK(C, F, (C) * (F)) \
          : RIGCAL_RIG_WORK(C, C, F))
 
-/* `name`, with memory for so many cameras and placements. */
+/* Declares `name`, with memory for these numbers of cameras and placements. */
 #define TEST_TAGS(name, C, F) \
     static rigcal_transform name##_cams[4 * (C)], name##_places[4 * (F)]; \
     static uint8_t name##_takes[2 * (C) * (F)]; \
@@ -55,13 +55,13 @@ typedef struct {
                              .work = name##_work, \
                              .rig.work_capacity = TEST_TAGS_WORK(C, F)}
 
-/* Cameras and placements at random, and what is seen; distance, share_seen and noise_px are
- * set before. Then the poses of every view. */
+/* Makes random cameras and placements, and what is seen. distance, share_seen and noise_px
+ * must be set before. Then solves both poses of every view. */
 void test_tags_random(test_tags *t, test_rng *rng, int n_cameras, int n_placements);
 void test_tags_solve(test_tags *t);
 
-/* Views of which the choice is not the right pose; views that it leaves out; views of which
- * the first pose is not right. */
+/* The number of views for which the choice is not the right pose; that it leaves out; whose
+ * first pose is not right. */
 int test_tags_wrong(const test_tags *t);
 int test_tags_left_out(const test_tags *t);
 int test_tags_wrong_first(const test_tags *t);

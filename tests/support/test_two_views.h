@@ -5,10 +5,10 @@
 
 #include "test_support.h"
 
-/* A second camera that looks roughly where the first does, from 1 aside. */
+/* A second camera that looks roughly in the direction of the first, at a distance of 1. */
 rigcal_transform test_beside(test_rng *rng);
 
-/* A point some way before both cameras. */
+/* A point at some distance in front of both cameras. */
 void test_point_ahead(double X[3], test_rng *rng);
 
 /* (X / Z, Y / Z, 1) */
@@ -22,12 +22,12 @@ typedef struct {
     int n;
 } test_views;
 
-/* Two or three cameras 5 from the origin that look there, and a pixel at random in each:
- * their rays are far from meeting. */
+/* Two or three cameras at a distance of 5 from the origin, which look at it, and a random
+ * pixel in each. So the rays are far from meeting. */
 void test_wild_views(test_views *v, test_rng *rng);
 
-/* Cameras 0 and 1 see a point at (0, 0, e) from aside, e tiny. Camera 2 looks along z, from
- * (-aside, -aside, 0), and sees another one there. */
+/* Cameras 0 and 1 see a point at (0, 0, e), with a tiny e, from the side. Camera 2 looks
+ * along z from (-aside, -aside, 0), and sees another point there. */
 void test_grazing_views(test_views *v, double aside);
 
 /* The sum of the squared errors [px^2], infinite if a camera does not see X. */

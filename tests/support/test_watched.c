@@ -27,7 +27,7 @@ static void move(watched_pose *pose, const double d[6])
     }
 }
 
-/* R <- 1.5 R - 0.5 R R^T R: rounding does not add up. */
+/* R <- 1.5 R - 0.5 R R^T R, so that rounding does not add up. */
 static void tidy(double R[9])
 {
     double Rt[9], RRt[9], RRtR[9];
@@ -40,7 +40,7 @@ static void tidy(double R[9])
     }
 }
 
-/* The frame is camera 0 again: X_0 = R_0 X + t_0 of all. */
+/* Makes camera 0 the frame again: X_0 = R_0 X + t_0 for all. */
 static void regauge(test_watched *w)
 {
     const watched_pose frame = w->truth[0];
@@ -126,7 +126,7 @@ void test_watched_make(test_watched *w, test_rng *rng, int n_cameras, int is_par
 
         mount(w, c);
         w->held[c] = c == 0;
-        /* as the library has it, rounded */
+        /* rounded, as the library has it */
         test_transform_parts(R, t, &w->cameras[c].cam_from_rig);
         memcpy(w->truth[c].R, R, sizeof R);
         memcpy(w->truth[c].t, t, sizeof t);

@@ -11,7 +11,7 @@ set(RIGCAL_UNITY_DIR "" CACHE PATH
 set(unity_release v2.6.1)
 set(unity_files unity.c unity.h unity_internals.h)
 
-# Debian's copy, in the user's cache, or in the build tree where there is none.
+# Debian's copy, in the user's cache, or in the build folder if there is no cache.
 function(unity_from_debian out)
     set(${out} "" PARENT_SCOPE)
     if(NOT CMAKE_HOST_UNIX)
@@ -64,8 +64,8 @@ if(NOT unity_dir)
         GIT_TAG ${unity_release}
         GIT_SHALLOW ON
         SOURCE_SUBDIR src)
-    # Only the sources are wanted: src/ has no CMakeLists.txt to be added, and
-    # before 3.18, which does not know SOURCE_SUBDIR, populating is enough.
+    # Only the sources are used: src/ has no CMakeLists.txt that could be added. Before
+    # 3.18, which does not know SOURCE_SUBDIR, it is enough to populate.
     if(CMAKE_VERSION VERSION_LESS 3.18)
         FetchContent_Populate(unity_upstream)
     else()
@@ -74,7 +74,8 @@ if(NOT unity_dir)
     set(unity_dir ${unity_upstream_SOURCE_DIR}/src)
 endif()
 
-# Not our code: no warnings of ours, and its headers count as the system's.
+# This is not our code: it is compiled without our warnings, and its headers count as those
+# of the system.
 add_library(unity STATIC ${unity_dir}/unity.c)
 set_target_properties(unity PROPERTIES C_STANDARD 99 C_EXTENSIONS OFF)
 target_compile_definitions(unity PUBLIC

@@ -5,9 +5,9 @@
     python3 tests/vectors/make_vectors.py --check   compares the numbers with those
                                                     files, to 1e-10; writes nothing
 
-What the numbers are is told above each array. Inputs are decimal numbers of a few
-digits, drawn with Python's own generator, whose numbers are the same in every
-version; outputs come from rigcal_oracle.py, NumPy and SciPy and have all digits.
+A comment above each array says what the numbers are. Inputs are decimal numbers of a few
+digits, drawn with Python's own generator, whose numbers are the same in every version;
+outputs come from rigcal_oracle.py, NumPy and SciPy and have all digits.
 """
 import math
 import os
@@ -33,7 +33,7 @@ CHECK_TOLERANCE = 1e-10  # of the number, or of 1 where the number is smaller
 
 
 def decimals(rng, low, high, digits, shape=()):
-    """Uniform numbers of so many decimals."""
+    """Uniform numbers with this many decimals."""
     n = int(np.prod(shape)) if shape != () else 1
     values = [round(rng.uniform(low, high), digits) for _ in range(n)]
     return np.array(values).reshape(shape) if shape != () else values[0]

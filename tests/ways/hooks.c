@@ -1,5 +1,5 @@
-/* The functions of port/cmsis_dsp against those of double: how far they are off at
- * most, over every angle that the library asks for. */
+/* Compares the functions of port/cmsis_dsp with those of double: their largest error over
+ * every angle that the library uses. */
 #include <math.h>
 #include <stdio.h>
 
@@ -57,7 +57,7 @@ int main(void)
 
     bad |= report("sine of a small angle, relatively", &small, SINE_TOL);
 
-    /* One octave of each parity of the exponent is all there is of a root. */
+    /* One octave for each parity of the exponent covers all roots. */
     for (int i = 0; i <= 3000000; i++) {
         const float x = (float)(1 + i / 1e6);
 

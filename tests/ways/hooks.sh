@@ -21,8 +21,8 @@ fi
 
 strict="-std=c99 -O2 -ffp-contract=off -Wall -Wextra -Wpedantic -Wconversion -Wdouble-promotion -Wshadow -Werror"
 for cc in gcc clang; do
-    # An angle that is no number is not made an integer of, either. A trap wants no
-    # runtime library, which clang has in a package of its own.
+    # An angle that is no number must not be converted to an integer either. A trap needs no
+    # runtime library, which for clang is a package of its own.
     $cc $strict -fsanitize=undefined,float-cast-overflow \
         -fsanitize-undefined-trap-on-error -I$port tests/ways/hooks.c $port/rigcal_tables.c -lm -o "$out/hooks"
     "$out/hooks"

@@ -37,7 +37,8 @@ strict="-Wall -Wextra -Wpedantic -Wconversion -Wdouble-promotion -Wshadow -Werro
 tests="adjust bytes camera chain chance diagnose faults filter graph hostile judge join layout
     lens levenberg linalg locate match measure monitor neldermead p3p paper pose rig robust
     rotation score seeds spans store store_rig trial triangulate verdict watch"
-# What is linked anew for each program, all of the library optimised together, takes long.
+# Link-time optimisation compiles the whole library for each program, which takes long. So
+# only these tests are run.
 tests_lto="lens measure pose rig store"
 count=0
 
@@ -56,7 +57,7 @@ state_of() {
     } 2>/dev/null | sha256sum | cut -d' ' -f1
 }
 
-# Where no line of the same state has been run, none has been seen.
+# If no line was run with the same state, nothing has been seen.
 begin_folder() {
     state=$(state_of)
     commit=$(git rev-parse --short HEAD)
@@ -96,7 +97,7 @@ is_enough() {
             tests/*.c tests/support tests/vectors tests/gate 2>/dev/null; }
 }
 
-# define REAL: what a compiler is told of the precision
+# define REAL: the options that set the precision
 define() {
     [ "$1" = double ] || echo -DRIGCAL_USE_FLOAT=1
 }
@@ -113,12 +114,12 @@ compile() {
         >"$folder/compiler.txt" 2>&1
 }
 
-# The code of the objects in a folder, as one number.
+# The code of all objects in a folder, as one checksum.
 code_of() {
     cat "$1"/*.o | sha256sum | cut -d' ' -f1
 }
 
-# run_tests FOLDER REAL COMPILER FLAG...: sets failed to the tests that fail
+# run_tests FOLDER REAL COMPILER FLAG...: sets `failed` to the tests that fail
 run_tests() {
     folder=$1
     built=build/gcc-$2
@@ -152,8 +153,8 @@ build_gate() {
         -o "$counted/gate"
 }
 
-# run_gate FOLDER REAL COMPILER FLAG...: its counts must be those kept. Optimised for size the
-# code is another, see RIGCAL_FOR_SPEED: its counts must be those of that code with -O2.
+# run_gate FOLDER REAL COMPILER FLAG...: its counts must be the expected ones. A build for size
+# has other code (RIGCAL_FOR_SPEED): its counts must be those of that code with -O2.
 run_gate() {
     expected=tests/gate/expected_$2.txt
     case " $* " in
@@ -168,7 +169,7 @@ run_gate() {
     folder_of_line=$1
     shift
     build_gate "$folder_of_line/counted" "$@" || return 1
-    # The depth of a stack is the option's; all other counts are asked for.
+    # The depth of the stack depends on the options. All other counts must be equal.
     "$counted/gate" check "$expected" >"$counted/gate.txt" 2>&1 ||
         { grep -q '^gate: ' "$counted/gate.txt" &&
             ! grep ', now ' "$counted/gate.txt" | grep -qv '^stack\.'; }
@@ -395,7 +396,7 @@ whole() {
     echo "$count" >"$out/$real.count"
 }
 
-# The last result, for the tree.
+# Writes the last result for the tree.
 write_table() {
     echo '# The library by each compiler, standard and option'
     echo

@@ -14,7 +14,7 @@ rm -rf "${out:?}"/*
 here=tests/ways
 count=0
 
-# The tools, by their versions, kept for the user so that later runs find them.
+# The tools in fixed versions, kept in the user's cache for later runs.
 tools=${XDG_CACHE_HOME:-${HOME:-$out}/.cache}/rigcal/ways
 if ! cmp -s $here/requirements.txt "$tools/requirements.txt"; then
     rm -rf "$tools"
@@ -23,7 +23,7 @@ if ! cmp -s $here/requirements.txt "$tools/requirements.txt"; then
     cp $here/requirements.txt "$tools"
 fi
 bin=$tools/bin
-# Nothing of theirs is written elsewhere.
+# The tools write nothing elsewhere.
 export CONAN_HOME="$out/home/conan" PLATFORMIO_CORE_DIR="$out/home/platformio"
 export PLATFORMIO_SETTING_ENABLE_TELEMETRY=no IDF_COMPONENT_CACHE_PATH="$out/home/idf"
 
@@ -31,7 +31,7 @@ for way in arduino cmsis-pack conan esp-idf meson platformio zephyr; do
     sh port/package.sh $way "$out/$way/rigcal" https://example.org/rigcal
 done
 
-# Runs a program and compares what it says with $1.
+# Runs a program and compares its output with $1.
 check() {
     expected=$1
     shift
@@ -58,7 +58,7 @@ gcc -std=gnu11 -I"$out/arduino/rigcal/src" tests/consumers/main.c \
     "$out"/arduino/build/libraries/rigcal/*.o -lm -o "$out/arduino/program"
 check "$float" "$out/arduino/program"
 
-# CMSIS-Pack: what the description lists of each variant, and no more.
+# CMSIS-Pack: compiles what the description lists for each variant, and nothing else.
 for variant in float double; do
     /usr/bin/python3 $here/pdsc.py "$out/cmsis-pack/rigcal/rigcal.rigcal.pdsc" \
         $variant "$out/cmsis-pack/$variant.h" >"$out/cmsis-pack/$variant"
@@ -105,8 +105,8 @@ cp -R "$out/meson/rigcal" "$out/meson/app/subprojects"
 "$bin/meson" compile -C "$out/meson/app/build"
 check "$double" "$out/meson/app/build/app"
 
-# PlatformIO: packed by its own tool, but for the licence, whose list of names it
-# would ask its registry for; then built as the manifest tells.
+# PlatformIO: packed by its own tool, but without the licence field, because the tool would
+# ask its registry for the list of licences. Then it is built as the manifest says.
 mkdir "$out/platformio/unpacked"
 cp -R "$out/platformio/rigcal" "$out/platformio/unlicensed"
 sed -i '/"license"/d' "$out/platformio/unlicensed/library.json"

@@ -15,7 +15,7 @@ ${PYTHON:-python3} port/single_file/amalgamate.py "$one"
 
 strict="-Wall -Wextra -pedantic -Wpedantic -Wconversion -Wdouble-promotion -Wshadow -Werror"
 
-# Its header declares what the parts of it declare, no less and no more.
+# The single header must declare what the separate headers declare, no less and no more.
 declared() {
     "$@" -E -P -std=c99 -x c - | tr -s ' \n' ' ' | tr ';' '\n' | sort
 }
@@ -43,7 +43,7 @@ for how in "gcc g++ double -O2" "clang clang++ float -O2" "gcc g++ float -O0" \
     "$out/consumer_cxx"
 done
 
-# Its global names are those of its parts, no fewer and no more.
+# The global names must be those of the parts, no fewer and no more.
 names() {
     nm -P -g --defined-only "$1" | awk 'NF > 2 {print $1}' | sort
 }

@@ -4,8 +4,8 @@
     stereo.py LIBRARY DATA [--check REFERENCE_PAIRS]
 
 DATA is a folder with cameras.csv and observations.csv in metres, and the first
-two cameras are the pair. Before anything else, every struct declared here is
-compared with the library's own account of it.
+two cameras are the pair. First of all, every struct declared here is compared with the
+library's own layout of it.
 """
 import argparse
 import collections
@@ -87,7 +87,7 @@ def at(array):
 
 
 def check_layout(library, structs):
-    """Stops when a struct here is not the library's, field by field."""
+    """Stops if a struct here differs from the library's in any field."""
     here = {}
     for name, dtype in structs.items():
         here[name] = (0, dtype.itemsize)

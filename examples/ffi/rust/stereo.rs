@@ -4,9 +4,9 @@
 //!     stereo DATA [--check REFERENCE_PAIRS]
 //!
 //! DATA is a folder with cameras.csv and observations.csv in metres, and the
-//! first two cameras are the pair. Before anything else, every struct declared
-//! here is compared with the library's own account of it. Compiled for a library
-//! of double; with --cfg rigcal_float for one of float.
+//! first two cameras are the pair. First of all, every struct declared here is compared
+//! with the library's own layout of it. Compiled for a library of double; with --cfg
+//! rigcal_float for one of float.
 #![allow(non_snake_case, unknown_lints, unexpected_cfgs)]
 
 use std::collections::BTreeMap;
@@ -177,7 +177,7 @@ fn layout_here() -> Layout {
     layout
 }
 
-/// The library's account of the structs in `here`.
+/// The library's layout of the structs in `here`.
 fn layout_there(here: &Layout) -> Layout {
     let mut layout = Layout::new();
     for index in 0..unsafe { rigcal_layout_count() } {
@@ -286,7 +286,7 @@ fn solve(view: &rigcal_rig_view, what: &str) -> rigcal_view_pose {
     found
 }
 
-/// What each camera saw in each frame: the frame's number, the camera's, their names, the
+/// What each camera saw in each frame: numbers of frame and camera, their names, the
 /// points.
 fn read_views(
     cameras: &[Row],

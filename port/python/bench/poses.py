@@ -5,8 +5,8 @@
 
 rigcal must be installed in this Python; gcc compiles the program in C, once with the
 package's own library and once with the sources at -O3. Views of 8 points through a
-distorted lens. Prints a table for README.md: seconds of a processor, but for threads,
-which are seconds of the clock. The least of the repeats counts.
+distorted lens. Prints a table for README.md: seconds of a processor; with threads, seconds
+of the clock. The least of the repeats counts.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ def scene(views: int) -> tuple[rigcal.Camera, np.ndarray, np.ndarray]:
 
 
 def in_c(camera, X, uv, repeats: int) -> list[float]:
-    """Microseconds a pose: with the package's library, and with the sources at -O3."""
+    """Microseconds for a pose: with the package's library, and with the sources at -O3."""
     numbers = [camera.fx, camera.fy, camera.cx, camera.cy, *camera.coefficients.values()]
     flags = ["-std=c99", "-D_DEFAULT_SOURCE", "-ffp-contract=off", "-DNDEBUG", "-O3"]
     sources = sorted((ROOT / "src").glob("*.c"))

@@ -43,7 +43,7 @@ def project(camera, P):
 
 
 class Plain:
-    """Cameras and places of the target by plain least squares of all points that count."""
+    """Cameras and places of the target, by least squares over all points that count."""
 
     def __init__(self, rig, cameras):
         rows = [row for row in rig.residuals if not row["left_out"]]
@@ -71,7 +71,7 @@ class Plain:
         return (out - self.uv).ravel()
 
     def rms(self):
-        """[px] a point, from a start that is disturbed."""
+        """returns the rms [px] of a point, from a start with errors"""
         rng = np.random.default_rng(1)
         found = least_squares(
             self.residuals, self.start + rng.normal(0, 1e-3, len(self.start)),
@@ -93,7 +93,8 @@ def by_time(found, times):
 
 
 def apart(a, b):
-    """The largest turn between two rigs [deg], and the largest part of a distance."""
+    """The largest rotation between two rigs [deg], and the largest shift as a part of the
+    distance."""
     turns, parts = [], []
     for p, q in itertools.combinations([n for n in a.cameras if n in b.cameras], 2):
         A, B = a.pair(p, q).transform, b.pair(p, q).transform
@@ -110,7 +111,7 @@ def quiet(*given, **how):
 
 
 def read(given):
-    """Cameras, and what they saw."""
+    """Loads the cameras and what they saw."""
     cameras = rigcal.load_cameras(given.cameras)
     if given.videos:
         with warnings.catch_warnings():

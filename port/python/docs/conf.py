@@ -46,7 +46,8 @@ def escaped(text: str) -> str:
 
 
 def as_rows(lines: list[str]) -> list[tuple[str, str]] | None:
-    """(name, what it is) of a paragraph in columns; None: it is no such paragraph."""
+    """The rows (name, what it is) of a paragraph in columns; None: it is not such a
+    paragraph."""
     rows: list[tuple[str, str]] = []
     column = 0
     for line in lines:
@@ -66,7 +67,7 @@ def as_rows(lines: list[str]) -> list[tuple[str, str]] | None:
 
 
 def paragraphs(lines: list[str]) -> list[list[str]]:
-    """Cut at empty lines, and where columns begin."""
+    """Cuts the text at empty lines, and where columns begin."""
     found: list[list[str]] = [[]]
     for line in lines:
         if not line.strip():

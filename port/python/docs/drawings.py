@@ -77,7 +77,7 @@ class Drawing:
 
 
 def frames(path: pathlib.Path) -> None:
-    """Two cameras and a board in space, with their axes and what takes one to another."""
+    """Two cameras and a board in space, with their axes and the transforms between them."""
     drawing = Drawing(720, 460, "Frames of two cameras and of a target")
     view = rigcal.Transform.from_rvec([0.5, 0.4, -0.05], [-1.2, 0.25, 4.2], "page", "rig")
 
@@ -120,7 +120,7 @@ def frames(path: pathlib.Path) -> None:
     for pose, name, shift in ((left, "left = rig", [-48, 8]), (right, "right", [40, 26])):
         camera(pose)
         axes(pose, 0.55, name, shift)
-    axes(board, 0.5, "target", [-6, -40])
+    axes(board, 0.5, "target", [-6, -56])
     X = np.array([0.72, 0.48, 0])
     drawing.dot(on_page(board.apply(X)), 5)
     drawing.text(on_page(board.apply(X)) + [9, -6], "X")
@@ -136,7 +136,7 @@ def frames(path: pathlib.Path) -> None:
 
 
 def pixels(path: pathlib.Path) -> None:
-    """The top left of an image: where (0, 0) is, for whom."""
+    """The top left corner of an image: the place of (0, 0) in several programs."""
     drawing = Drawing(560, 190, "Pixel (0, 0) is the centre of the top left pixel")
     side, x0, y0 = 44, 90, 40
     for k in range(4):
@@ -168,7 +168,7 @@ def pixels(path: pathlib.Path) -> None:
 
 
 def on_paper(target: Any, points: Any, scale: float, at: Any) -> Any:
-    """Pixels of the drawing, of points as they are read on the printed side."""
+    """Pixels of points in the drawing, as seen from the printed side."""
     flip = 1 if target.front[2] < 0 else -1  # y down where z goes into the board
     return np.asarray(points)[..., :2] * [scale, flip * scale] + at
 
@@ -187,7 +187,7 @@ def axes_of(drawing: Drawing, target: Any, scale: float, at: Any, length: float)
 def squares_of(
     drawing: Drawing, target: Any, scale: float, at: Any, first: Any, n: Any
 ) -> None:
-    """Dark squares; the one at `first` is dark."""
+    """Draws the dark squares. The one at `first` is dark."""
     for i in range(n[0]):
         for j in range(n[1]):
             if (i + j) % 2 == 0:
@@ -204,7 +204,7 @@ def numbered(drawing: Drawing, target: Any, names: Any, scale: float, at: Any) -
 
 
 def targets(path: pathlib.Path) -> None:
-    """Each target as it is read, with its axes and its first points."""
+    """Draws each target from the front, with its axes and its first points."""
     drawing = Drawing(760, 520, "Targets, their axes, and the order of their points")
     board = rigcal.Chessboard(5, 4, 1.0)
     at: Any = np.array([110, 110])
@@ -242,7 +242,7 @@ def targets(path: pathlib.Path) -> None:
     at = np.array([560, 410])
     drawing.text([400, 300], "Tag(size, id=7)")
     drawing.path(on_paper(tag, tag.tags[7], 130, at), "line", closed=True)
-    axes_of(drawing, tag, 130, at, 0.4)
+    axes_of(drawing, tag, 130, at, 0.3)
     numbered(drawing, tag, ("7_0", "7_1", "7_2", "7_3"), 130, at)
     drawing.write(path)
 

@@ -1,4 +1,4 @@
-"""The files that the pages' snippets read, and checks of what they make."""
+"""The files that the snippets of the pages read, and checks of what they write."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def stereo_table() -> None:
 
 
 def opencv_files() -> None:
-    """Intrinsics as cv2.FileStorage writes them, one file and two."""
+    """Intrinsics as cv2.FileStorage writes them, in one file and in two."""
     stereo_table()
     cameras = rigcal.load_cameras("cameras.csv")
     posed = rigcal.calibrate(cameras, "observations.csv").cameras
@@ -54,7 +54,7 @@ def other_programs() -> None:
 
 
 def chain() -> tuple[Any, Any]:
-    """Three cameras; cam0 and cam2 never saw the same place."""
+    """Three cameras. cam0 and cam2 never saw the target in the same place."""
     import make_sample
 
     rng = np.random.default_rng(5)
@@ -77,7 +77,7 @@ def chain() -> tuple[Any, Any]:
 
 
 def check_chain(rig: rigcal.Rig) -> None:
-    """cam2 from cam0 is as far from the truth as its sigma says."""
+    """The error of cam2 from cam0 must agree with its sigma."""
     true = chain.truth  # type: ignore[attr-defined]
     R = true["cam2"]["R"] @ true["cam0"]["R"].T
     off = rig.between("cam2", "cam0").t - (true["cam2"]["t"] - R @ true["cam0"]["t"])
@@ -87,7 +87,7 @@ def check_chain(rig: rigcal.Rig) -> None:
 
 
 def bad_view() -> tuple[Any, Any]:
-    """Four cameras; the pixels of one view are those of another place."""
+    """Four cameras. One view has the pixels of another place."""
     from cli_scenes import Recording
 
     recording = Recording()
@@ -96,7 +96,7 @@ def bad_view() -> tuple[Any, Any]:
 
 
 def late() -> tuple[Any, Any, Any]:
-    """Four cameras, of which b is 12 ms late, see a board that somebody moves."""
+    """Four cameras see a board that somebody moves. Camera b is 12 ms late."""
     from cli_scenes import Recording
 
     recording = Recording(late={"b": 0.012})
@@ -117,7 +117,7 @@ def poses() -> tuple[Any, ...]:
 
 
 def pixels_of_frame(frame: str) -> Any:
-    """(n, 2) of left and of right, by point."""
+    """(n, 2) pixels of left and of right, by point."""
     with open("observations.csv", newline="") as file:
         rows = [row for row in csv.DictReader(file) if row["frame"] == frame]
     for camera in ("left", "right"):
@@ -127,7 +127,7 @@ def pixels_of_frame(frame: str) -> Any:
 
 
 def everything() -> None:
-    """What the snippets of README.md, DETECT.md and FORMATS.md read."""
+    """Makes the files that the snippets of README.md, DETECT.md and FORMATS.md read."""
     stereo_table()
     cameras = rigcal.load_cameras("cameras.csv")
     rigcal.save_cameras(
@@ -147,7 +147,7 @@ def posed(cameras: Any) -> list[rigcal.Camera]:
 
 
 def matches(rig: rigcal.Rig, quiet: int, moved: int) -> Any:
-    """Frames of 20 matches. After the quiet ones the right camera is turned by 0.3 deg."""
+    """Frames of 20 matches. After those at rest the right camera is turned by 0.3 deg."""
     rng = np.random.default_rng(7)
     for k in range(quiet + moved):
         X = rng.uniform(-0.12, 0.12, (20, 3)) * [1, 1, 2] + [0, 0, 0.6]
@@ -165,7 +165,7 @@ def matches(rig: rigcal.Rig, quiet: int, moved: int) -> Any:
 
 
 def rows() -> Any:
-    """What the program says of a table that it refuses."""
+    """What the program prints for a table that it refuses."""
 
     def said(table: Any) -> str:
         try:
@@ -181,7 +181,7 @@ def rows() -> Any:
 
 
 def is_picture(path: str) -> None:
-    """A PNG with something on it: not of one colour."""
+    """Checks that a PNG shows something: it has more than one colour."""
     import matplotlib.image
 
     image = matplotlib.image.imread(path)
@@ -191,7 +191,7 @@ def is_picture(path: str) -> None:
 
 
 def is_page(path: str) -> None:
-    """A page that needs no other file."""
+    """Checks that a page needs no other file."""
     text = pathlib.Path(path).read_text("utf-8")
     assert len(text) > 50_000
     assert "<svg" in text

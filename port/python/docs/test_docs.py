@@ -1,4 +1,4 @@
-"""The site that build.sh made: every public name is in it, every page says something."""
+"""The site that build.sh made: it has every public name, and every page has text."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ def test_the_snippets_of_a_page_beside_run(name: str) -> None:
 
 
 def inventory() -> set[str]:
-    """Names that the site describes: Sphinx's objects.inv."""
+    """The names in Sphinx's objects.inv, which the site describes."""
     data = (HTML / "objects.inv").read_bytes()
     lines = zlib.decompress(data.split(b"\n", 4)[4]).decode().splitlines()
     return {line.split(" ", 1)[0] for line in lines if " py:" in line}
@@ -164,7 +164,7 @@ def test_the_page_of_the_command_is_its_help() -> None:
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 @pytest.mark.parametrize("name", ["conventions", "quickstart"])
 def test_a_page_is_drawn(name: str, scheme: str, tmp_path: pathlib.Path) -> None:
-    """In Chromium: not of one colour, dark where it should be."""
+    """In Chromium a page must show several colours, and be dark in the dark theme."""
     import matplotlib.image
 
     known = ("chromium-headless-shell", "chromium", "google-chrome")

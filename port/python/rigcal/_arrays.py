@@ -38,7 +38,7 @@ def shown(wanted: tuple[int | str, ...]) -> str:
 
 
 def numeric(value: npt.ArrayLike, what: str, wanted: str, kinds: str) -> npt.NDArray[Any]:
-    """`value` as an array of any shape, of a type of one of these kinds."""
+    """`value` as an array of any shape, with a type of one of these kinds."""
     try:
         array = np.asarray(value)
     except (TypeError, ValueError, OverflowError):  # ragged lists

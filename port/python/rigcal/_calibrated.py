@@ -96,7 +96,7 @@ class CalibratedRig:
         self.struct = self._make_struct(size)
 
     def _make_struct(self, size: int) -> npt.NDArray[Any]:
-        """struct rigcal_calibrated_rig (1,), which points to the arrays of this rig."""
+        """struct rigcal_calibrated_rig (1,) with pointers to the arrays of this rig."""
         struct = np.zeros(1, CALIBRATED_RIG)
         struct["cameras"], struct["group"] = address(self._mounted), address(self._group)
         struct["held"], struct["Sigma"] = address(self._held), address(self._Sigma)
@@ -107,7 +107,7 @@ class CalibratedRig:
         return struct
 
     def __getstate__(self) -> dict[str, Any]:
-        """All but the struct, whose pointers are of this process."""
+        """All but the struct, whose pointers are valid only in this process."""
         return {key: value for key, value in self.__dict__.items() if key != "struct"}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
@@ -318,7 +318,7 @@ class CalibratedRig:
     # ---- what it measures ----
 
     def _pixels(self, uv: Any) -> tuple[list[Array | None], int]:
-        """The pixels of each camera, None of one that has none, and their number."""
+        """The pixels of each camera, None for one without, and the number of points."""
         if isinstance(uv, Mapping):
             seen: list[Array | None] = [None] * len(self.names)
             for name, pixels in uv.items():

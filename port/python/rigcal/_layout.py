@@ -1,7 +1,7 @@
-"""The C structs as NumPy types, compared with the library's own account of them.
+"""The C structs as NumPy types, compared with the library's own layout.
 
-The order of fields is that of the headers, which say what each means. Pointers and size_t
-are unsigned integers of a pointer's size.
+The order of fields is that of the headers, which describe them. Pointers and size_t are
+unsigned integers of a pointer's size.
 """
 
 from __future__ import annotations
@@ -262,7 +262,7 @@ def declared(structs: dict[str, np.dtype[Any]]) -> dict[str, tuple[int, int]]:
 
 
 def accounted(library: ctypes.CDLL) -> dict[str, tuple[int, int]]:
-    """The same as the library says it is."""
+    """The same by the library's list."""
     found = {}
     entry = np.zeros(1, ENTRY)
     for account in ("rigcal_layout", "rigcal_batch_layout"):

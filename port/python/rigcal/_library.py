@@ -25,7 +25,7 @@ REAL_BYTES = 8
 
 
 def program() -> pathlib.Path:
-    """The C program `rigcal` of this package: README.md of the library tells its use."""
+    """The C program `rigcal` of this package; README.md of the library describes it."""
     path = FOLDER / ("rigcal.exe" if sys.platform == "win32" else "rigcal")
     if not path.is_file():
         raise Error(f"{path} is not there: install the package again")
@@ -116,8 +116,8 @@ def address(array: npt.NDArray[Any]) -> int:
 
 
 def must(status: int, what: str, bad: int | None = None) -> Status:
-    """The status, if it is one with which there is an answer; else Error, whose text
-    begins with `what`."""
+    """The status, if there is an answer with it. Else raises Error, whose text begins with
+    `what`."""
     got = Status(status)
     if got < 0 or got == Status.RIGCAL_DISCONNECTED:
         raise Error(f"{what}: {got.text}", got.name, bad)

@@ -23,7 +23,7 @@ IDS = ("frame", "camera", "point", "turned")
 TRANSFORM = (*(f"R{i}{j}" for i in "123" for j in "123"), "tx", "ty", "tz")
 COVARIANCE = tuple(f"S{i}{j}" for i in range(1, 7) for j in range(1, i + 1))
 
-# What a name in a file of the program must not have.
+# Characters that a name in a file of the program must not have.
 REFUSED = set(",\"' \t\r\n\v\f")
 
 Column = npt.NDArray[Any]
@@ -67,7 +67,7 @@ def _column(values: Any, what: str) -> Column:
 
 
 def _rows(rows: Sequence[Any], wanted: Sequence[str], what: str) -> Table:
-    """Rows are mappings, objects with fields of these names, or in the order wanted."""
+    """Rows may be mappings, objects with fields of these names, or in the wanted order."""
     columns: list[list[Any]] = [[] for _ in wanted]
     for k, row in enumerate(rows):
         fields: Any = row if isinstance(row, Mapping) else getattr(row, "_fields", None)
@@ -144,7 +144,8 @@ def columns(table: Any, wanted: Sequence[str], what: str) -> Table:
 
 
 def _id(value: Any) -> str | None:
-    """The text of one id; None: it is none. 3.0 is "3": a column with a gap is real."""
+    """The text of an id; None: it is no id. 3.0 is "3", because a column with a gap is
+    real."""
     if isinstance(value, bytes):
         return value.decode("utf-8", "surrogateescape")
     if isinstance(value, (float, np.floating)):
@@ -155,7 +156,7 @@ def _id(value: Any) -> str | None:
 
 
 def ids(values: Column, what: str) -> Column:
-    """Names as text; whole numbers are names too."""
+    """Names as text. Whole numbers may be names."""
     different: list[str] = []
     place: list[int] = []
     number: dict[Any, int] = {}
@@ -179,7 +180,7 @@ def ids(values: Column, what: str) -> Column:
 
 
 def check_name(name: str, what: str) -> None:
-    """Error unless the program can write it into its files."""
+    """Error unless the program can write the name into its files."""
     if not name or REFUSED & set(name):
         raise Error(
             f"{what}: a name without commas, blanks and quotes is expected, not {name!r}"

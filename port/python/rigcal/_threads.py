@@ -1,4 +1,4 @@
-"""Work in slices, by several threads: ctypes lets others run during a call into C."""
+"""Work in slices by several threads. ctypes lets other threads run during a call into C."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
-"""Calibrates a rig: hands files to the program `rigcal` and reads what it writes.
+"""Calibrates a rig: gives files to the program `rigcal` and reads what it writes.
 
-The program holds the whole of the work, so that both give the same numbers.
+The program does all the work, so both give the same numbers.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ INTRINSICS_SIGMA = ("focal", "aspect", "centre", "k1", "k2")
 
 
 def program() -> str:
-    """Where the program is: the package's own, or RIGCAL_PROGRAM of the environment."""
+    """The path of the program: the package's own, or RIGCAL_PROGRAM of the environment."""
     given = os.environ.get("RIGCAL_PROGRAM")
     if given:
         return given
@@ -85,7 +85,7 @@ class _Bar:
 
 
 def _teller(progress: Progress) -> tuple[Callable[[str], None], Callable[[], None]]:
-    """What is called with each line of progress, and at the end."""
+    """The function that gets each line of progress, and the one for the end."""
     if callable(progress):
         return progress, lambda: None
     stream = sys.stderr
@@ -98,7 +98,7 @@ def _teller(progress: Progress) -> tuple[Callable[[str], None], Callable[[], Non
 
 
 def run(arguments: Sequence[str], progress: Progress = False) -> tuple[int, str, list[str]]:
-    """Runs the program: its exit status, what it printed, its messages line by line."""
+    """Runs the program. Returns its exit status, its output, and its messages by line."""
     tell, end = _teller(progress)
     messages = []
     with tempfile.TemporaryFile() as output:
@@ -157,7 +157,7 @@ class _Files:
         return path
 
     def table(self, name: str, argument: str, given: Any, wanted: Sequence[str]) -> str:
-        """The path of a table that is given, or of the file that it is written to."""
+        """The path of a table: as given, or of the file that it is written to."""
         if isinstance(given, (str, os.PathLike)):
             return _tables.must_exist(given)
         table = _tables.columns(given, wanted, argument)
@@ -166,7 +166,7 @@ class _Files:
         return str(path)
 
     def cameras(self, argument: str, cameras: Mapping[str, Camera]) -> dict[str, str]:
-        """Paths of cameras.csv and of rig.csv, which may not be there."""
+        """Paths of cameras.csv and of rig.csv, which may be missing."""
         try:
             for name in cameras:
                 _tables.check_name(name, f"{name!r}")
@@ -378,7 +378,7 @@ MIRRORED_MOST = 8  # cameras that are tried
 def _odd_pictures(
     rig: Rig, known: Mapping[str, Camera], detections: Detections
 ) -> list[str]:
-    """Pictures that are upside down, or cameras whose pictures are mirrored."""
+    """Finds pictures that are upside down, and cameras whose pictures are mirrored."""
     names = detections.cameras
     lost = [name for name in names if name not in rig.cameras]
     if not (lost and detections.sizes and isinstance(detections.target, Chessboard)):
@@ -414,7 +414,7 @@ def _of_frames(times: Mapping[tuple[str, str], float]) -> dict[tuple[str, str], 
 
 
 def _observations(detections: Any, weigh: bool) -> tuple[Any, Sequence[str]]:
-    """A table, and the columns of it that the program takes."""
+    """A table, and those of its columns that the program reads."""
     wanted = list(_tables.OBSERVATIONS)
     if isinstance(detections, Detections):
         detections = detections.table()
@@ -428,7 +428,7 @@ def _observations(detections: Any, weigh: bool) -> tuple[Any, Sequence[str]]:
 
 
 def made_of(cameras: Any, detections: Any, arguments: Sequence[str]) -> dict[str, str]:
-    """Rig.made of the arguments, and of the options of the program."""
+    """Rig.made from the arguments and the options of the program."""
     return {
         "cameras": _called(cameras),
         "detections": _called(detections),
@@ -437,7 +437,7 @@ def made_of(cameras: Any, detections: Any, arguments: Sequence[str]) -> dict[str
 
 
 def _called(given: Any) -> str:
-    """What an argument is: the name of its file, or its type."""
+    """The name of an argument's file, or its type."""
     if isinstance(given, (str, os.PathLike)):
         return pathlib.Path(given).name
     return type(given).__name__
@@ -447,7 +447,7 @@ NOT_TOLD = ("cameras", "observations", "out", "progress", "method=ml")
 
 
 def _options_of(arguments: Sequence[str]) -> list[str]:
-    """Options of the program as they were given, without files of every run."""
+    """Options of the program as given, without the files that every run has."""
     return [
         word
         for word in arguments

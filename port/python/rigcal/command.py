@@ -1,6 +1,6 @@
-"""The command `rigcal`: that of the C program, with files of every format.
+"""The command `rigcal`: that of the C program, for files of every format.
 
-The program does the work. What it does not read is converted to its own CSV before.
+The program does the work. Other formats are first converted to its own CSV.
 """
 
 from __future__ import annotations
@@ -95,7 +95,7 @@ def _say(text: str) -> None:
 
 
 def _options(command: str, arguments: Sequence[str]) -> dict[str, list[str]] | None:
-    """Values by option; None: they are not as they should be, and the program says why."""
+    """Values by option. None: an option is wrong, and the program says why."""
     parser = _Parser(add_help=False)
     for name, takes_value in OPTIONS[command].items():
         if takes_value:
@@ -114,21 +114,21 @@ def _options(command: str, arguments: Sequence[str]) -> dict[str, list[str]] | N
 
 
 def _is_foreign(path: str) -> bool:
-    """Whether it is a file of cameras that the program does not read."""
+    """Whether it is a file of cameras that the program cannot read."""
     if os.path.isdir(path):
         return True
     return os.path.isfile(path) and not path.endswith(".csv") and not _tables.is_own(path)
 
 
 class _Converted:
-    """The options with files of the program in the place of others."""
+    """The options, with files of the program in place of files of other formats."""
 
     def __init__(self, folder: str) -> None:
         self.folder = pathlib.Path(folder)
         self.names: dict[str, str] = {}  # the user's file, by ours
 
     def file(self, option: str, name: str, path: str) -> str:
-        """The program's file of one of another format."""
+        """Makes the program's file from one of another format."""
         ours = self.folder / option / name
         if not ours.is_file():
             cameras = _read(path)
@@ -162,7 +162,7 @@ class _Converted:
 
 
 def _program(*arguments: str) -> int:
-    """The program itself, with our standard streams; its exit status."""
+    """Runs the program itself with our standard streams. Returns its exit status."""
     try:
         return subprocess.call([program(), *arguments])
     except OSError as problem:
@@ -244,7 +244,7 @@ def _convert(arguments: Sequence[str]) -> int:
 
 @contextlib.contextmanager
 def _options_named(format_option: str) -> Iterator[None]:
-    """An Error has the names of options in the place of those of arguments."""
+    """Replaces names of arguments in an Error by those of options."""
     try:
         yield
     except FileError as problem:
@@ -259,7 +259,7 @@ def _value_of(fault: Fault) -> str:
 
 
 def _told(rig: Rig) -> Iterator[str]:
-    """What diagnose prints."""
+    """Prints the findings of diagnose."""
     for text in rig.warnings:
         what, _, advice = text.partition("; ")
         yield what
@@ -350,7 +350,7 @@ def _calibrate_images(arguments: Sequence[str]) -> int:
 
 
 def _is_of_images(arguments: Sequence[str]) -> bool:
-    """Whether calibrate begins with images."""
+    """Whether calibrate starts from images."""
     words = [word.partition("=")[0] for word in arguments]
     return "--images" in words or "--videos" in words
 
@@ -373,7 +373,7 @@ def _report(arguments: Sequence[str]) -> int:
 
 
 def _paged(arguments: Sequence[str]) -> int:
-    """calibrate --html: calibrates, and writes a page of what came out."""
+    """calibrate --html: calibrates, and writes a page with the result."""
     parser = _Parser(add_help=False, allow_abbrev=False)
     parser.add_argument("--html")
     parser.add_argument("--title")

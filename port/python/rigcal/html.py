@@ -1,4 +1,4 @@
-"""One page with all there is to say of a rig: Rig.html."""
+"""One page about a rig: Rig.html."""
 
 from __future__ import annotations
 
@@ -187,7 +187,7 @@ def _picture(rig: Rig, what: str) -> str:
 
 
 def _space(rig: Rig) -> str:
-    """The rig: a still picture, and the same to be turned where scripts run."""
+    """The rig as a still picture, and as one that can be turned if scripts run."""
     figure = _figure((9.4, 5.6))
     plots.plot_rig(rig, k=SIGMA, figure=figure)
     scene = make_scene(rig, SIGMA)
@@ -204,7 +204,7 @@ def _space(rig: Rig) -> str:
 
 
 def _lines(scene: Scene) -> dict[str, Any]:
-    """What the script draws: lines and names in the box -1..1, z up."""
+    """The input of the script: lines and names in the box -1..1, z up."""
     A = scene.turn
     lines: list[tuple[str, float, Any]] = []
     lines += [("faint", 0.7, X) for X in scene.boards.values()]
@@ -365,7 +365,7 @@ def _left_out(rig: Rig) -> str:
 
 
 def _thumbs(rig: Rig) -> str:
-    """The worst views, of those whose images are known, with residuals over them."""
+    """The worst views with known images, with residuals drawn over them."""
     if not rig.images:
         return ""
     out = np.flatnonzero(is_left_out(rig))[: THUMBS_MOST // 2].tolist()
@@ -536,7 +536,7 @@ def _blamed(path: str | os.PathLike[str]) -> Iterator[None]:
 
 
 def check_path(path: str | os.PathLike[str]) -> None:
-    """FileError if no page can be written there; before long work."""
+    """FileError if no page can be written there. Called before long work."""
     where = pathlib.Path(path)
     if where.is_dir():
         raise FileError(path, "this is a folder: the name of a file is expected")

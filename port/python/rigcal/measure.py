@@ -340,7 +340,7 @@ class Bands:
         return len(self.status)
 
     def _merged(self, status: Statuses) -> Statuses:
-        """Of a band that there is not, why."""
+        """The reason why a band does not exist."""
         return np.where(self.status < 0, self.status, status)
 
     def curve(self, n: int = 64) -> Curves:

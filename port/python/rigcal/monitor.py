@@ -1,4 +1,4 @@
-"""While a rig runs: has it moved, which camera, where is it now."""
+"""A rig in use: whether a camera has moved, which one, and where it is now."""
 
 from __future__ import annotations
 

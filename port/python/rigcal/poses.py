@@ -366,7 +366,7 @@ class Block:
         self.make_room(64)
 
     def make_room(self, n: int) -> None:
-        """Memory to work in for views of n points."""
+        """Allocates work memory for views of n points."""
         self.room = n
         self.work = np.empty(6 * n)
         self.work_at = address(self.work)
@@ -395,7 +395,7 @@ def matched(X: npt.ArrayLike, uv: npt.ArrayLike, sigma: Any) -> tuple[Array, Arr
 
 
 def refuse(status: int, bad: int, arrays: dict[str, Array | None]) -> None:
-    """Raises Error of a failed pose, which names an argument that is not finite."""
+    """Raises the Error of a failed pose. It names an argument that is not finite."""
     at = None if bad < 0 else bad
     if status == Status.RIGCAL_ERR_NOT_FINITE:
         for name, array in arrays.items():

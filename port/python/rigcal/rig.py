@@ -581,7 +581,7 @@ class _Reader:
 
 
 def _clock(text: Mapping[str, str]) -> Clock:
-    """One line of clocks.csv."""
+    """Reads a line of clocks.csv."""
     return Clock(
         offset=float(text["offset"]),
         sigma_offset=float(text["sigma_offset"]),
@@ -593,7 +593,7 @@ def _clock(text: Mapping[str, str]) -> Clock:
 
 
 def _fault(text: Mapping[str, str]) -> Fault:
-    """One line of faults.csv."""
+    """Reads a line of faults.csv."""
     known = [k for k in range(1, 7) if text[f"value{k}"]]
     return Fault(
         name=text["fault"],

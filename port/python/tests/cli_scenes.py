@@ -61,7 +61,7 @@ def camera(**fields: Any) -> rigcal.Camera:
 
 
 def project(X: Any, name: str) -> Any:
-    """Pixels of points of the rig's frame: a pinhole, as `camera` makes it."""
+    """Pixels of points in the rig's frame, in the pinhole that `camera` makes."""
     R, t = POSES[name]
     X = X @ R.T + t
     return np.array([900.5, 905.25]) * X[:, :2] / X[:, 2:] + [640.0, 470.0]
@@ -99,7 +99,7 @@ class Recording:
         return [row for row in self.rows if row[:2] == [frame, name]]
 
     def spoil(self, frame: str, name: str) -> None:
-        """The pixels of a view are those of another place."""
+        """Gives a view the pixels of another place."""
         for row in self.of(frame, name):
             row[6], row[7] = row[6] + 60, 960 - row[7]
 

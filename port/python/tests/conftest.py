@@ -79,7 +79,7 @@ def truth():
 
 
 def transforms(rng, count):
-    """Poses in front of which the target is."""
+    """Poses with the target in front of the camera."""
     for _ in range(count):
         yield rigcal.Transform.from_rvec(
             rng.uniform(-0.6, 0.6, 3),

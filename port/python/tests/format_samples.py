@@ -29,7 +29,7 @@ NONE = ((), ())
 def truth(
     dist=BROWN, lens="brown", names=("left", "right"), size=SIZE, pose=True, scale=1.0
 ):
-    """What a file of two cameras says."""
+    """The contents of a file of two cameras."""
     poses = (np.eye(3), np.zeros(3)), (R, T * scale)
     return {
         name: Camera(
@@ -465,7 +465,7 @@ FISHEYE_PAIR = FISHEYE_PAIR.replace(", 0.05 ]", " ]").replace(", -0.02 ]", " ]")
 
 @dataclass
 class Sample:
-    """Files of one format by name, and what they say."""
+    """The files of one format by name, and what they contain."""
 
     format: str
     files: dict
@@ -473,7 +473,7 @@ class Sample:
     options: dict = field(default_factory=dict)
 
     def put(self, folder):
-        """Writes the files; gives the path to load."""
+        """Writes the files. Returns the path to load."""
         for name, text in self.files.items():
             (folder / name).write_text(text, encoding="utf-8")
         return folder if len(self.files) > 1 else folder / next(iter(self.files))

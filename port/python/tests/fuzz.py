@@ -65,7 +65,7 @@ def pixels(n: int) -> Any:
 
 
 def seen(n: int, k: Any = 0) -> tuple[Any, Any]:
-    """Points, and where camera k sees them; in half of the cases where it does not."""
+    """Points, and their pixels in camera k; in half of the cases random pixels."""
     X, turn = (
         points(n),
         rigcal.Transform.from_rvec(rng.normal(0, 0.3, 3), [0, 0, 1.5], "c", "w"),
@@ -96,7 +96,7 @@ def two_seen() -> list[Any]:
     return [pixels(n), pixels(n)]
 
 
-# Each: a function, and what makes arguments for it.
+# For each: a function, and what makes its arguments.
 CALLS: dict[str, tuple[Any, Any]] = {
     "solve_pose": (
         lambda c, X, uv, s, p, r, t: rigcal.solve_pose(
@@ -216,7 +216,7 @@ def strides(array: Any) -> Any:
         return np.flip(array)
     if way == 4:
         return np.broadcast_to(array[:1], array.shape)
-    if way == 5:  # not at an address that its type likes
+    if way == 5:  # at an address that is not aligned for its type
         raw = np.zeros(array.nbytes + 1, np.uint8)
         raw[1:] = np.frombuffer(array.tobytes(), np.uint8)
         return raw[1:].view(array.dtype).reshape(array.shape)
@@ -224,7 +224,7 @@ def strides(array: Any) -> Any:
 
 
 def changed(value: Any) -> Any:
-    """Something in the place of this argument."""
+    """Something else in place of this argument."""
     way = rng.integers(8)
     usual = isinstance(value, np.ndarray) and value.ndim > 0 and value.dtype.kind in "fiu"
     if way == 0 or not usual or not 0 < value.size < 10**6:

@@ -35,7 +35,7 @@ def chessboard(columns, rows, inverted=False):
 
 
 def board_drawing(board):
-    """Of a rigcal.Charuco."""
+    """The drawing of a rigcal.Charuco."""
     aruco = cv2.aruco
     name = getattr(aruco, "DICT_" + board.dictionary)
     drawn = aruco.CharucoBoard(
@@ -54,7 +54,8 @@ def board_drawing(board):
 
 
 def grid_drawing(grid):
-    """Of a rigcal.AprilGrid, upright, and the drawing's pixel of its origin, y up."""
+    """The drawing of an upright rigcal.AprilGrid, and the drawing's pixel of its origin, y
+    up."""
     pixels = 80  # of a tag's edge
     gap = round(grid.spacing * pixels)
     step = pixels + gap
@@ -145,7 +146,7 @@ def write_video(path, images, fps=30.0):
 
 
 def moving_rig(target, count, delays, fps=30.0, seed=1):
-    """Cameras side by side that see a moving board, each later by its delay: {name: Camera
+    """Cameras side by side that see a moving board, each with its own delay: {name: Camera
     with cam_from_rig} and {name: pictures}."""
     rng = np.random.default_rng(seed)
     cameras, pictures = {}, {}

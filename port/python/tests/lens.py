@@ -1,4 +1,5 @@
-"""The lens models of rigcal.h, section camera, in NumPy: to compare with other programs."""
+"""The lens models of rigcal.h, section camera, in NumPy, for comparison with other
+programs."""
 
 import numpy as np
 

@@ -1,4 +1,5 @@
-"""Rigs for the tests of pictures and pages, made by NumPy; and a look at what is drawn."""
+"""Rigs for the tests of pictures and pages, made by NumPy, and functions that look at what
+was drawn."""
 
 from __future__ import annotations
 
@@ -23,8 +24,8 @@ def ring(
     size: Any = SIZE,
     seed: int = 0,
 ) -> rigcal.Rig:
-    """n cameras on a ring that look at its middle, as if they had been calibrated. There is
-    no covariance."""
+    """n cameras on a ring that look at its middle, as if they were calibrated. There is no
+    covariance."""
     rng = np.random.default_rng(seed)
     names = list(names or [f"cam{k}" for k in range(n)])
     cameras = []
@@ -83,7 +84,7 @@ def ring(
 
 
 def stored() -> rigcal.Rig:
-    """Two cameras of a file: no recording, no covariance."""
+    """Two cameras from a file, without recording and covariance."""
     return ring(2, 0)
 
 
@@ -98,8 +99,8 @@ def pixels(figure: Any, dpi: int = 45) -> Any:
 
 
 def ink(image: Any, box: Any = None) -> float:
-    """The share of pixels that differ from the commonest, in box (left, top, right, bottom)
-    of parts of the image."""
+    """The share of pixels that differ from the most frequent one, in the box (left, top,
+    right, bottom), in parts of the image."""
     h, w = image.shape[:2]
     left, top, right, bottom = box if box is not None else (0, 0, 1, 1)
     part = image[int(top * h) : int(bottom * h), int(left * w) : int(right * w)]
@@ -110,7 +111,7 @@ def ink(image: Any, box: Any = None) -> float:
 
 
 def panels(figure: Any, image: Any = None) -> list[float]:
-    """The ink in each axes of a figure that show something."""
+    """The ink in each axes of a figure that shows something."""
     image = pixels(figure) if image is None else image
     found = []
     for ax in figure.axes:
@@ -121,7 +122,7 @@ def panels(figure: Any, image: Any = None) -> list[float]:
 
 
 def labelled(ax: Any, label: str) -> list[Any]:
-    """Artists of a label, or of one that begins with it and a blank."""
+    """The artists with a label, or with one that begins with it and a blank."""
     return [
         child
         for child in ax.get_children()

@@ -10,7 +10,7 @@ out=$(cd "${1:-build/python}" && pwd)
 here=port/python
 export PYTHONDONTWRITEBYTECODE=1 PIP_DISABLE_PIP_VERSION_CHECK=1
 
-# The tools, by their versions: kept as long as these are the same.
+# The tools in fixed versions, kept while these are the same.
 bin=$out/venv/bin
 if ! cmp -s $here/tests/requirements.txt "$out/requirements.txt" || ! [ -x "$bin/ruff" ]; then
     rm -rf "${out:?}/venv"
@@ -19,7 +19,7 @@ if ! cmp -s $here/tests/requirements.txt "$out/requirements.txt" || ! [ -x "$bin
     cp $here/tests/requirements.txt "$out"
 fi
 
-# From a checkout. The same build of the same tools is done once.
+# The wheel from a checkout. It is built only once for the same sources and tools.
 rm -rf "${out:?}/wheel" "${out:?}/sdist" "${out:?}/unpacked"
 "$bin/pip" -q wheel --no-build-isolation --no-deps \
     --config-settings=build-dir="$out/cmake" -w "$out/wheel" ./$here
@@ -31,7 +31,7 @@ if [ "$size" -gt 409600 ]; then
 fi
 "$bin/pip" -q install --force-reinstall --no-deps "$wheel"
 
-# The sdist builds alone: unpacked where there is no checkout above it.
+# The sdist must build by itself: it is unpacked where no checkout is above it.
 "$bin/python" -m build -q --no-isolation --sdist -o "$out/sdist" $here
 alone=$(mktemp -d)
 trap 'rm -rf "$alone"' EXIT

@@ -1,4 +1,4 @@
-"""rigcal.calibrate: the program's numbers from whatever holds the detections."""
+"""rigcal.calibrate gives the program's numbers for detections in any form."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ Module = sys.modules["rigcal.calibrate"]
 
 
 def printed(folder: pathlib.Path, *options: str) -> str:
-    """What the C program prints: the one that tests/cli test, where it was built."""
+    """What the C program prints: the program that tests/cli tests, if it was built."""
     built = ROOT / "build" / "gcc-double" / "rigcal"
     run = subprocess.run(
         [
@@ -569,7 +569,7 @@ def test_wrong_options_are_named(options: dict[str, Any], text: str) -> None:
 
 
 def complaint(call: Any, *arguments: Any) -> str | None:
-    """The text of its Error; None: it has none."""
+    """The text of its Error; None: there is none."""
     try:
         call(*arguments)
     except rigcal.Error as error:
@@ -596,7 +596,7 @@ ARRAYS = st.builds(
     column=st.one_of(ARRAYS, st.lists(ANYTHING, min_size=3, max_size=3), ANYTHING),
 )
 def test_no_column_crashes(name: str, column: Any) -> None:
-    """A wrong column is named; the rest is for the program to judge."""
+    """The error names a wrong column. The rest is left to the program."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", rigcal.Caveat)
         error = complaint(_tables.columns, {**GOOD, name: column}, COLUMNS, "detections")

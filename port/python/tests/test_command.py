@@ -1,4 +1,4 @@
-"""The command rigcal: as the program, with files of every format."""
+"""The command rigcal works like the program, with files of every format."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Detectors: their own corners, in the order and with the origin that rigcal states."""
+"""Detectors find their own corners, in the order and with the origin that rigcal states."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ FACING = [np.pi, 0, 0]  # a target whose z axis comes out of it, looked at
 
 
 def pose_of(target, rvec, distance=0.45):
-    """cam_from_target, turned from facing the camera by rvec."""
+    """cam_from_target, turned by rvec from facing the camera."""
     tilt = rigcal.Transform.from_rvec(rvec, [0, 0, 0], "cam", "x")
     if target.front[2] > 0:
         face = rigcal.Transform.from_rvec(FACING, [0, 0, 0], "x", "target")

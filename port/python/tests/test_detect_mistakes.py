@@ -1,4 +1,4 @@
-"""What people get wrong: each is named."""
+"""Mistakes that people make: each is named."""
 
 from __future__ import annotations
 
@@ -93,7 +93,7 @@ def test_blurred_images():
 
 
 def test_images_blurred_by_motion():
-    """In one direction: edges along it stay sharp."""
+    """Blur in one direction: edges along it stay sharp."""
     sharp = [read_picture(path) for path in pictures("left")]
     for kernel in (np.ones((1, 19)) / 19, np.ones((19, 1)) / 19, np.eye(19) / 19):
         moved = cv2.filter2D(sharp[0], -1, kernel)

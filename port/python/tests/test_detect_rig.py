@@ -62,7 +62,7 @@ def test_sigma_ranks_residuals(stereo):
 
 
 def test_corners_weigh_by_their_sigma(stereo, tmp_path):
-    """A corner that is far off and of large sigma moves a rig that does not weigh."""
+    """A wrong corner with a large sigma moves a rig only if points are not weighted."""
     plain = rigcal.calibrate(CAMERAS, stereo)
     assert "all points count alike: column sigma_px is not used" in plain.report
     u, sigma = stereo.u.copy(), np.ones(len(stereo))
@@ -88,7 +88,7 @@ def test_corners_weigh_by_their_sigma(stereo, tmp_path):
 
 
 def as_board(stereo, columns, rows):
-    """The detections of a part of the board, as if it were the whole."""
+    """The detections of a part of the board, as if it were the whole board."""
     board = rigcal.Chessboard(columns, rows, 0.025)
     number = stereo.point.astype(int)
     inside = (number % 9 < columns) & (number // 9 < rows)
@@ -98,7 +98,7 @@ def as_board(stereo, columns, rows):
 
 
 def read_from(found, changed):
-    """Detections with views that are read from another side: {(camera, frame): turns}."""
+    """Detections with some views read from another side: {(camera, frame): turns}."""
     names = list(found.target.points)
     X = np.array(list(found.target.points.values()))
     point, at = found.point.copy(), np.column_stack([found.X, found.Y, found.Z])
@@ -165,13 +165,14 @@ def videos(tmp_path_factory):
 
 
 def off(rig, cameras, name):
-    """How far a camera is from the truth: turn [deg] and shift."""
+    """The error of a camera: rotation [deg] and shift."""
     found, true = rig.pair("cam0", name).transform, cameras[name].cam_from_rig
     return np.degrees(angle(found.R, true.R)), np.linalg.norm(found.t - true.t)
 
 
 def test_times_of_pictures_only_test_clocks_unless_these_are_asked_for(videos):
-    """Without clocks the rig is that without times, though a frame's pictures differ."""
+    """Without clocks the rig is the same as without times, although the pictures of a frame
+    differ."""
     paths, _, file = videos
     found = rigcal.detect(paths, rigcal.Chessboard(9, 6, 0.03), every=2)
     late = {"cam0": 0.0, "cam1": 0.004, "cam2": -0.003}

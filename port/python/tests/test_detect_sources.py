@@ -1,4 +1,5 @@
-"""Sources: which pictures are found, how cameras are named, which belong together."""
+"""Sources: which pictures are found, how cameras are named, and which pictures belong
+together."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Files of cameras: each is read as it is meant, written, and read again."""
+"""Files of cameras: each is read correctly, written, and read again."""
 
 import os
 import warnings
@@ -15,7 +15,7 @@ EXACT = 1e-12
 
 
 def assert_same(found, expected, tolerance=EXACT):
-    """Names, sizes and lenses alike; numbers within the tolerance."""
+    """Names, sizes and lenses must be equal, numbers within the tolerance."""
     assert list(found) == list(expected)
     for name, camera in expected.items():
         other = found[name]

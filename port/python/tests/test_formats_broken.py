@@ -1,4 +1,4 @@
-"""Files that are broken: "file: what" as a FileError, and nothing else, ever."""
+"""Broken files must give "file: what" as a FileError, and nothing else."""
 
 import json
 import random
@@ -12,8 +12,9 @@ from rigcal import Error, FileError, load_cameras, load_target
 
 # ==== the same numbers, spoilt, in every format ===============================
 
-# Of each sample: the file, and a focal length, a coefficient, the image width, an element
-# of the rotation and one of the translation as they stand there; what is no number there.
+# For each sample: the file; a focal length, a coefficient, the image width, an element of
+# the rotation and one of the translation, as they are written there; and what is not a
+# number there.
 PLACES = {
     "opencv-yaml": (
         "stereo.yml",
@@ -110,7 +111,7 @@ IS_VECTOR = ("anipose", "pose2sim", "caliscope", "mrcal")
 
 
 def spoilt(name):
-    """(what was done, the file, its text) of a sample, broken in one number each."""
+    """For a sample, (what was done, the file, its text), each with one wrong number."""
     file, f, k, width, rotation, t, nan = PLACES[name]
     text = SAMPLES[name].files[file]
 
@@ -526,7 +527,7 @@ EDITS = {
 
 
 def broken(name):
-    """(what was done, the file, its text, what the message must match) of a sample."""
+    """For a sample, (what was done, the file, its text, what the message must match)."""
     for what, file, text in spoilt(name):
         yield what, file, text, "."
     file = PLACES[name][0]
@@ -537,7 +538,7 @@ def broken(name):
 
 
 def complaint(path, folder, options):
-    """What load_cameras says of a file: only a FileError in one line is right."""
+    """The result of load_cameras for a file. Only a FileError of one line is right."""
     try:
         load_cameras(path, **options)
     except FileError as error:
@@ -820,7 +821,7 @@ def test_without_scipy(tmp_path, monkeypatch):
 
 @pytest.mark.parametrize("name", PLACES)
 def test_cut_files_and_changed_bytes_never_do_anything_else(name, tmp_path):
-    """Some are still good files. The others are a FileError."""
+    """Some are still valid files. The others must give a FileError."""
     sample = SAMPLES[name]
     path = sample.put(tmp_path)
     file = PLACES[name][0]

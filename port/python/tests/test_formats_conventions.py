@@ -1,6 +1,6 @@
-"""The pitfalls of each format, with a truth that was thought out and not computed.
+"""The pitfalls of each format. The truth was found by reasoning, not computed.
 
-Where cameras stand and what they see is told in words; the file says the same in its own
+Words say where the cameras are and what they see; the file says the same in its own
 convention."""
 
 import json
@@ -106,7 +106,7 @@ def nerfstudio(matrix, **more):
 
 
 def test_nerfstudio_looks_along_minus_z_with_y_up(tmp_path):
-    """A camera at (1, 2, 3) that is not turned looks along the world's -z."""
+    """A camera at (1, 2, 3) without rotation looks along the world's -z."""
     matrix = [[1, 0, 0, 1], [0, 1, 0, 2], [0, 0, 1, 3], [0, 0, 0, 1]]
     camera = load_json(tmp_path, nerfstudio(matrix))["a"]
     close(camera.cam_from_rig.center, [1, 2, 3])
@@ -117,7 +117,8 @@ def test_nerfstudio_looks_along_minus_z_with_y_up(tmp_path):
 
 
 def test_nerfstudio_fourth_coefficient_is_another(tmp_path):
-    """k4 of OPENCV there is of r^8, and ours of the rational model's denominator."""
+    """The k4 of OPENCV there multiplies r^8. Ours belongs to the rational model's
+    denominator."""
     with pytest.raises(FileError, match="k4: this model has no k4"):
         load_json(tmp_path, nerfstudio(np.eye(4).tolist(), k4=0.1))
     assert load_json(tmp_path, nerfstudio(np.eye(4).tolist(), k4=0))["a"].dist == ()
@@ -136,8 +137,8 @@ def camchain(*steps, name="T_cn_cnm1"):
 
 
 def test_kalibr_multiplies_along_the_chain(tmp_path):
-    """cam1 from cam0: x goes to y, then 1 along x. cam2 from cam1: y goes to z. So a point
-    on cam0's x is on cam1's y, and on cam2's z."""
+    """cam1 from cam0: x becomes y, then 1 along x. cam2 from cam1: y becomes z. So a point
+    on cam0's x axis is on cam1's y axis and on cam2's z axis."""
     first = np.eye(4)
     first[:3, :3], first[0, 3] = QUARTER_Z, 1
     second = np.eye(4)
@@ -156,7 +157,7 @@ def test_kalibr_radtan_is_k1_k2_p1_p2(tmp_path):
 
 
 def test_kalibr_order_is_by_number(tmp_path):
-    """cam10 comes after cam9, wherever it stands in the file."""
+    """cam10 comes after cam9, wherever it is in the file."""
     step = np.eye(4)
     step[0, 3] = -1  # each camera is one to the right of the one before
     chain = camchain(None, *[step.tolist()] * 10)
@@ -198,7 +199,7 @@ def multical(poses):
 
 
 def test_multical_2_to_1_takes_coordinates_from_1_to_2(tmp_path):
-    """The format's own example: camera 2 stands to the right of camera 1, T is negative."""
+    """The format's own example: camera 2 is to the right of camera 1, so T is negative."""
     poses = {
         "cam1": [0, 0, 0],
         "cam2_to_cam1": [-0.05, 0, 0],
@@ -240,7 +241,7 @@ def test_bop_is_in_millimetres(tmp_path):
 
 
 def test_opencv_pair_is_second_from_first(tmp_path):
-    """T of a pair is negative in x: the second camera stands to the right."""
+    """T of a pair is negative in x: the second camera is to the right."""
     T = load_cameras(SAMPLES["opencv-yaml"].put(tmp_path))["right"].cam_from_rig
     assert T.center[0] > 0
     close(T.apply([0, 0, 0]), [-0.2, 0.01, 0.03])

@@ -85,7 +85,8 @@ def test_opencv_longer_models_with_zeros_are_the_rational_one(count, tmp_path):
 
 @pytest.mark.parametrize("name", SAMPLES)
 def test_every_sample_projects_as_opencv_projects_it(name, tmp_path):
-    """The truth of a sample, given to OpenCV as numbers, against the file as read."""
+    """Compares the truth of a sample, given to OpenCV as numbers, with the file after
+    reading."""
     sample = SAMPLES[name]
     found = load_cameras(sample.put(tmp_path), **sample.options)
     for key, camera in sample.truth.items():
@@ -97,8 +98,8 @@ def test_every_sample_projects_as_opencv_projects_it(name, tmp_path):
 
 
 def test_ros_rectified_pair_is_what_opencv_rectifies(tmp_path):
-    """camera_info of a pair as the calibrator makes it: the depth of a point comes out of
-    both rectified images by P, and the poses read from the files give the same pixels."""
+    """camera_info of a pair as the calibrator makes it. P gives the depth of a point from
+    both rectified images. The poses read from the files must give the same pixels."""
     left, right = truth().values()
     R, t = right.cam_from_rig.R, right.cam_from_rig.t
     args = [np.array(a) for c in (left, right) for a in (c.matrix, c.dist)]

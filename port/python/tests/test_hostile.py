@@ -1,4 +1,4 @@
-"""Whatever is handed in: an answer, or an Error that names the argument and its shape."""
+"""Any input gives an answer, or an Error that names the argument and its shape."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ NUMBERS = st.floats(allow_nan=True, allow_infinity=True, width=64)
 
 
 def arrays(columns):
-    """Arrays of numbers of the right kind of shape, or of none."""
+    """Arrays of numbers, some of the right shape."""
     shapes = st.one_of(
         st.tuples(st.integers(0, 12), st.just(columns)),
         npst.array_shapes(min_dims=0, max_dims=4, min_side=0, max_side=4),
@@ -53,7 +53,7 @@ def arrays(columns):
 
 
 def strange(array):
-    """The same with other strides, and not to be written."""
+    """The same array with other strides and read-only."""
     out = np.asfortranarray(array)[::-1] if array.ndim else array
     out.setflags(write=False)
     return out
@@ -72,7 +72,7 @@ OBJECTS = [
     np.nan,
 ]
 
-# Every function by what it takes: the arguments that are tried, and the columns of each.
+# Every function by what it takes: the arguments that are tried, and their columns.
 CALLS = {
     "solve_pose": (
         lambda a, b: rigcal.solve_pose(CAMERA, a, b),
@@ -177,7 +177,7 @@ CALLS = {
 
 
 def answer(call, a, b):
-    """None, or the text of the Error; anything else is a failure of the test."""
+    """None, or the text of the Error. Anything else fails the test."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         try:
@@ -193,7 +193,7 @@ def answer(call, a, b):
 def test_one_argument_is_anything(name, data):
     call, (first, good_a, columns_a), (second, good_b, columns_b) = CALLS[name]
     value = data.draw(arrays(columns_a))
-    # An empty list is no view: then it is the other argument that does not fit.
+    # An empty list has no views. Then it is the other argument that does not fit.
     text = answer(call, value, good_b)
     assert text is None or re.search(rf"\b({first}|{second or first})\b", text), text
     if second:

@@ -1,4 +1,4 @@
-"""The page of a rig: what it says, that it is whole, and what a browser makes of it."""
+"""The page of a rig: what it says, that it is complete, and how a browser shows it."""
 
 from __future__ import annotations
 
@@ -381,7 +381,7 @@ def browser() -> str:
     pytest.fail("no Chromium: apt-get install chromium-headless-shell")
 
 
-# What a page is asked: where its pictures are, and what it shows.
+# A script that reports where the pictures of a page are, and what they show.
 PROBE = """<script>addEventListener("load",function(){setTimeout(function(){
 var found=[];document.querySelectorAll("svg,canvas").forEach(function(e){
 var b=e.getBoundingClientRect();
@@ -397,7 +397,7 @@ WIDE, HIGH = 1000, 6000
 
 
 def opened(page: pathlib.Path, *flags: str, width: int = WIDE) -> tuple[str, str]:
-    """What the browser says of a page: its document, and its messages."""
+    """Runs the browser on a page. Returns its document and its messages."""
     run = subprocess.run(
         [browser(), "--no-sandbox", "--disable-gpu", "--hide-scrollbars",
          f"--window-size={width},{HIGH}", "--enable-logging=stderr", "--v=0",
@@ -456,7 +456,7 @@ def test_a_browser_shows_every_picture(
     assert min(inks(found, image)) > 0.01
     for text in ("Who saw the target together", "left", "right"):
         assert text in document
-    # A picture is of the theme: the commonest pixel of each is paper, light or dark.
+    # Each picture must have the theme's paper, light or dark, as its most frequent pixel.
     for _, left, top, right, bottom in found["boxes"]:
         part = image[int(top) + 2 : int(bottom) - 2, int(left) + 2 : int(right) - 2]
         assert (part == expected).all(-1).mean() > 0.3

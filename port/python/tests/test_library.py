@@ -1,4 +1,4 @@
-"""The library is the one that this package was written for."""
+"""The library must be the one that this package was written for."""
 
 from __future__ import annotations
 

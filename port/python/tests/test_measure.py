@@ -1,4 +1,4 @@
-"""Pixels, rays, points and lines: against NumPy's own formulas and brute force."""
+"""Pixels, rays, points and lines, compared with NumPy's formulas and with brute force."""
 
 from __future__ import annotations
 
@@ -172,7 +172,7 @@ def test_the_calibrations_error_counts(stereo, rng):
     uv = sightings(stereo, X)
     found = stereo.triangulate(uv, distances=True)
     assert (found.sigma[:, 2] > np.sqrt(found.Sigma_noise[:, 2, 2])).all()
-    # A length has less of it than its ends.
+    # The error of the calibration affects a length less than its ends.
     _, sigma = found.distance(0, 1)
     along = (X[0] - X[1]) / np.linalg.norm(X[0] - X[1])
     assert sigma < np.sqrt(along @ (found.Sigma[0] + found.Sigma[1]) @ along)
@@ -220,7 +220,7 @@ def test_transfer_to_a_third_camera(stereo_bytes, rng):
     rig, X = exact_rig(3), in_front(rng, 5)
     uv = sightings(rig, X)
     exact = rig.transfer("c0", uv["c0"], "c1", uv["c1"], "c2", sigma_px=0.2)
-    # Without a joint covariance there is no answer, which every status says.
+    # Without a joint covariance there is no answer, and every status says so.
     assert (exact.status == Status.RIGCAL_ERR_STATE).all()
     assert np.isnan(exact.uv).all()
     held = np.array([1, 0, 0], np.uint8)
@@ -335,7 +335,7 @@ def test_spans_have_every_pixel_of_the_band(rng, threads):
 
 
 def test_spans_of_wide_bands_find_room(rng):
-    """A band of all rows, again and again: more spans than are expected."""
+    """A band over all rows, several times: more spans than the first guess has room for."""
     cams = [
         rigcal.Camera(
             300,
@@ -401,7 +401,7 @@ def test_noise_of_the_rig_and_of_its_cameras(stereo):
     uv = [[320.0, 240]]
     assert np.allclose(stereo.noise_px(), stereo.sigma_px)
     known = stereo.match_line("left", uv, "right")
-    # sigma_px of a stored rig has sqrt(F) in it; noise that is stated has not.
+    # sigma_px of a stored rig contains sqrt(F). Noise that the caller states does not.
     stated = stereo.sigma_px / np.sqrt(stereo.F)
     again = stereo.match_line("left", uv, "right", sigma_px=stated)
     assert np.allclose(known.half_width, again.half_width, equal_nan=True)

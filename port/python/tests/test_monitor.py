@@ -14,7 +14,7 @@ from rigcal import Status
 
 @pytest.fixture
 def rig():
-    """Three cameras, the first held, the others known to 1e-4 rad and length."""
+    """Three cameras: the first is held, the others are known to 1e-4 rad and length."""
     bare = exact_rig(3)
     Sigma = np.zeros(12 * 13 // 2)
     Sigma[[k * (k + 3) // 2 for k in range(12)]] = 1e-8
@@ -24,7 +24,7 @@ def rig():
 
 
 def watch(monitor, cameras, rng, frames):
-    """Frames of 30 points; the last report."""
+    """Runs frames of 30 points. Returns the last report."""
     names = list(cameras)
     for _ in range(frames):
         X = rng.uniform(-0.6, 0.6, (30, 3)) + [0, 0, 2.5]

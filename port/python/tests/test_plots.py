@@ -1,4 +1,4 @@
-"""Pictures: what is drawn is what the rig holds, in every case to be read."""
+"""Pictures show what the rig holds, and can be read in every case."""
 
 from __future__ import annotations
 
@@ -528,7 +528,7 @@ def test_the_package_does_not_import_matplotlib(tmp_path: pathlib.Path) -> None:
 
 
 def luminance(rgb: Any) -> float:
-    """Of WCAG 2, of linear red, green and blue."""
+    """The luminance of WCAG 2, of linear red, green and blue."""
     return float(np.dot([0.2126, 0.7152, 0.0722], rgb))
 
 

@@ -1,4 +1,4 @@
-"""Poses: against the truth of made scenes, and one view against many."""
+"""Poses, compared with the truth of simulated scenes, and one view with many."""
 
 from __future__ import annotations
 
@@ -139,7 +139,7 @@ FLAT = np.array([[x, y, 0.0] for x in (-0.05, 0.05) for y in (-0.05, 0.05)])
 
 
 def ambiguous(camera, rng):
-    """A small flat target from afar, which has a flipped twin."""
+    """A small flat target far away, which has a second pose."""
     T = rigcal.Transform.from_rvec([0.15, 0.1, 0], [0, 0, 2.5], "left", "world")
     return seen(camera, T, FLAT, 0.5, rng)
 
@@ -342,7 +342,8 @@ def test_views_without_a_point_fail_by_themselves(camera, target, truth):
 
 
 def spied(monkeypatch, name):
-    """The fields of struct rigcal_batch_views of each call of a function of batch.h."""
+    """Records the fields of struct rigcal_batch_views at each call of a function of
+    batch.h."""
     calls, real = [], getattr(lib, name)
 
     def call(solved, work, views, n, options):

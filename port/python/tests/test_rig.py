@@ -102,7 +102,8 @@ def test_the_joint_covariance(four: rigcal.Rig) -> None:
     assert np.linalg.eigvalsh(joint[6:, 6:]).min() > 0
     assert np.abs(joint[:6]).max() == 0  # a is the frame
     assert (joint[12:18, 6:12] == four.covariance("c", "b")).all()
-    # The covariance of a pair follows from it: c_from_b of poses that are moved a little.
+    # The covariance of a pair follows from it: that of c_from_b, by poses that are moved a
+    # little.
     pair = four.pair("b", "c")
     J = np.zeros((6, 12))
     step = 1e-6
@@ -169,7 +170,7 @@ def test_the_verdict(rig: rigcal.Rig) -> None:
     assert rig.noise_px == pytest.approx(0.1473, abs=1e-4)
     lens, more = rig.advice
     assert lens == "check the lens model, the board's coordinates and the detector"
-    # Of two cameras each is as sure as the other: rounding says which is named first.
+    # With two cameras both have the same sigma. Rounding decides which is named first.
     pairs = ("right and left", "left and right")
     assert more in [f"show the target to {pair} together in more places" for pair in pairs]
     bent = rig.faults[0]

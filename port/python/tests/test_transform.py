@@ -1,4 +1,4 @@
-"""Transforms: against hand cases, and against what their parts must do."""
+"""Transforms, compared with cases by hand and with identities."""
 
 import pickle
 

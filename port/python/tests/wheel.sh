@@ -1,6 +1,6 @@
 #!/bin/sh
-# Prints where the wheel of these sources is: the one that the step python made, or, if the
-# sources are newer than that, a new one.
+# Prints the path of the wheel of these sources: the one that the step python made, or a new
+# one if the sources are newer.
 #
 #   sh port/python/tests/wheel.sh FOLDER     FOLDER is that of the step python, build/python
 set -eu

@@ -1,4 +1,4 @@
-// As much of an Arduino core as the example asks for, on the host.
+// The part of an Arduino core that the example needs, on the host.
 #ifndef ARDUINO_H
 #define ARDUINO_H
 

@@ -1,4 +1,4 @@
-// Runs a sketch for as many turns of its loop as any search takes.
+// Runs a sketch for as many passes of its loop as any search can take.
 #include "Arduino.h"
 
 SerialPort Serial;

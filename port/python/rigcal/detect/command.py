@@ -134,7 +134,7 @@ def _found(given: argparse.Namespace, words: Sequence[str]) -> Detections:
 
 
 def _told(detections: Detections) -> str:
-    """How much was seen, a line a camera."""
+    """Prints how much was seen, a line for each camera."""
     lines = []
     views = detections.views
     for name in detections.sizes:

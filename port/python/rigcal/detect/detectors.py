@@ -56,10 +56,10 @@ class Seen:
 
 
 def sigmas(image: Grey, uv: Array, window: int) -> list[float]:
-    """How far each corner moves if the window in which it is refined is another one [px].
+    """How far each corner moves [px] if it is refined in a different window.
 
-    Where edges are sharp and straight it moves little. Blur, a reflection, or something in
-    front of the board within the window moves it.
+    At sharp and straight edges it moves little. Blur, reflections, and objects in front of
+    the board make it move.
     """
     if not len(uv):
         return []
@@ -73,14 +73,14 @@ def sigmas(image: Grey, uv: Array, window: int) -> list[float]:
         ]
     )
     spread: Array = np.sqrt(np.var(moved, axis=0).sum(axis=1))
-    # OpenCV puts a corner back where it was if it has gone beyond the window.
+    # OpenCV returns the start if the corner has left the window.
     is_lost = 2 * (moved == start.reshape(-1, 2)).all(axis=2).sum(axis=0) >= len(halves)
     spread[is_lost] = window
     return np.hypot(SIGMA_LEAST, np.minimum(spread, window)).tolist()  # type: ignore[no-any-return]
 
 
 def window_of(uv: Array, most: int = WINDOW) -> int:
-    """Half the window for corners: it holds no other corner."""
+    """Half the window for corners, so that it holds no other corner."""
     if len(uv) < 2:
         return most
     gaps = np.hypot(*(uv[:, None] - uv[None]).T)
@@ -120,8 +120,8 @@ def homography(grid: Array, uv: Array) -> Array:
 
 
 def in_order(image: Grey, uv: Array, board: Chessboard) -> Array:
-    """Corners row by row, as they are read from the front, from the end that the colours of
-    the squares tell."""
+    """Corners row by row, read from the front. The colours of the squares show at which end
+    the first one is."""
     columns, rows = board.columns, board.rows
     grid = grid_of(columns, rows)
     table = uv.reshape(rows, columns, 2)
@@ -199,7 +199,7 @@ def dictionary(name: str) -> Any:
 
 
 def with_options(options: Mapping[str, Any], *parameters: Any) -> None:
-    """Sets the fields of OpenCV's parameters."""
+    """Sets fields of OpenCV's parameters."""
     for name, value in options.items():
         holder = next((p for p in parameters if hasattr(p, name)), None)
         if holder is None:
@@ -208,7 +208,7 @@ def with_options(options: Mapping[str, Any], *parameters: Any) -> None:
 
 
 def repeated(numbers: list[int]) -> list[int]:
-    """Those that are there more than once."""
+    """The numbers that occur more than once."""
     return sorted({n for n in numbers if numbers.count(n) > 1})
 
 
@@ -242,8 +242,8 @@ class CharucoDetector:
 
 # ---- tags -----------------------------------------------------------------------
 
-# Detectors of AprilTag's library, by family and options, that no thread uses now. They are
-# used again and never freed: pupil_apriltags frees a family and uses it afterwards.
+# Detectors of AprilTag's library that no thread uses now, by family and options. They are
+# used again and never freed: pupil_apriltags uses a family after freeing it.
 _KEPT: dict[tuple[str, str], list[Any]] = {}
 
 
@@ -281,7 +281,7 @@ class TagDetector:
                 own = _kept_alive(library)(families=family, nthreads=1, **options)
             tags = own.detect(image)
             kept.append(own)
-            # AprilTag begins at the bottom left and goes the other way round.
+            # AprilTag begins at the bottom left and goes in the other direction.
             return [
                 (int(tag.tag_id), np.asarray(tag.corners)[::-1] - APRILTAG_ORIGIN)
                 for tag in tags
@@ -330,7 +330,7 @@ class TagDetector:
 
 
 def detector(target: Target, options: Mapping[str, Any] | None = None) -> Any:
-    """Called with a grey image it returns what is Seen. One belongs to one thread."""
+    """A function that takes a grey image and returns a Seen. Each thread needs its own."""
     options = options or {}
     if isinstance(target, Chessboard):
         return ChessboardDetector(target, options)

@@ -1,4 +1,4 @@
-"""The work of `rigcal.detect`: every picture is read, searched and looked at."""
+"""The work of `rigcal.detect`: reads every picture, searches it, and checks the result."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ from .targets import Charuco, Chessboard, Tag, Target
 
 __all__ = ["find"]
 
-LEAST = 4  # points that a view has, not on a line
+LEAST = 4  # points that a view needs, not on a line
 LEAST_CHARUCO = 6  # corners between markers that are hardly seen are worth little
 LOOKED_AT = 4  # pictures of a camera that are looked at again where something is odd
 NAMED_MOST = 4
@@ -40,7 +40,7 @@ NAMED_MOST = 4
 
 @dataclass
 class Look:
-    """A picture, searched."""
+    """The result for one picture."""
 
     seen: Seen
     looks: Looks
@@ -50,7 +50,7 @@ class Look:
 
 
 class _Searcher:
-    """Searches pictures; each thread has a detector of its own."""
+    """Searches pictures. Each thread has its own detector."""
 
     def __init__(self, target: Target, options: Mapping[str, Any] | None) -> None:
         self.target, self.options = target, options
@@ -82,7 +82,7 @@ def _searched(
     threads: int,
     tell: Callable[[str], None],
 ) -> dict[tuple[str, str], Look]:
-    """What is seen in each picture, by camera and key."""
+    """What was seen in each picture, by camera and key."""
     total = sum(map(len, keys.values()))
     found: dict[tuple[str, str], Look] = {}
     waiting: deque[tuple[tuple[str, str], Any, Future[Look]]] = deque()
@@ -134,7 +134,7 @@ def _is(keys: Sequence[str]) -> str:
 
 
 def size_of(camera: Camera, looks: Mapping[str, Look]) -> tuple[int, int]:
-    """The size of a camera's pictures; Error where they differ."""
+    """The size of a camera's pictures. Error if they differ."""
     counts = Counter(look.looks.size for look in looks.values())
     (size, _), *others = counts.most_common()
     if others:
@@ -150,7 +150,7 @@ def size_of(camera: Camera, looks: Mapping[str, Look]) -> tuple[int, int]:
 
 
 def check_size(name: str, size: tuple[int, int], wanted: Any, turned: int = 0) -> None:
-    """Error unless pictures have the size of the camera's intrinsics."""
+    """Error unless the pictures have the size of the camera's intrinsics."""
     if wanted is None or tuple(wanted) == size:
         return
     text = (
@@ -173,7 +173,7 @@ def check_size(name: str, size: tuple[int, int], wanted: Any, turned: int = 0) -
 
 
 def _oddities(camera: Camera, looks: Mapping[str, Look]) -> Iterator[str]:
-    """What is odd about a camera's pictures, without doubt about the target."""
+    """Doubts about a camera's pictures that do not depend on the target."""
     channels = Counter(look.looks.channels > 1 for look in looks.values())
     name = camera.name
     if len(channels) > 1:
@@ -226,7 +226,7 @@ def _again(camera: Camera, keys: Sequence[str]) -> list[Any]:
 def _doubts(
     camera: Camera, looks: Mapping[str, Look], target: Target, usable: Mapping[str, Any]
 ) -> Iterator[str]:
-    """What is odd about the target in a camera's pictures."""
+    """Doubts about the target in a camera's pictures."""
     name, missed = camera.name, [key for key in looks if key not in usable]
     if isinstance(target, Charuco) and usable and len(missed) >= len(looks) / 2:
         better = mistakes.is_better(_again(camera, missed), target)
@@ -249,7 +249,7 @@ def _doubts(
 def _in_two(
     camera: Camera, looks: Mapping[str, Look], target: Target, usable: Mapping[str, Any]
 ) -> list[str]:
-    """Pictures that show two boards."""
+    """Names pictures that show two boards."""
     if not isinstance(target, Chessboard):
         return [key for key in looks if looks[key].seen.twice]
 
@@ -265,7 +265,7 @@ def _in_two(
 
 
 def _why_nothing(cameras: Sequence[tuple[Camera, list[str], bool]], target: Target) -> str:
-    """What is told of cameras that saw no target at all."""
+    """The message about cameras that never saw the target."""
     names = ", ".join(camera.name for camera, _, _ in cameras)
     count = sum(len(keys) for _, keys, _ in cameras)
     text = f"camera {names}: {target} is in none of {count} pictures"
@@ -300,7 +300,7 @@ def _usable(
 
 
 def _with_id(target: Target, looks: Mapping[Any, Look]) -> Target:
-    """A tag with the number that is seen, if none is given."""
+    """A tag with the number that was seen, if none was given."""
     if not isinstance(target, Tag) or target.id is not None:
         return target
     counts = Counter(number for look in looks.values() for number in look.seen.tags)

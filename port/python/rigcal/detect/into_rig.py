@@ -1,5 +1,5 @@
-"""What `rigcal.calibrate` asks of detections: whether the square, the order of the cameras
-and the size of their images are right."""
+"""The checks of `rigcal.calibrate` for detections: whether the square, the order of the
+cameras and the size of their images are right."""
 
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ def with_sizes(cameras: Mapping[str, Camera], detections: Detections) -> dict[st
 
 
 def _pose(camera: Camera, X: Array, uv: Array) -> tuple[Array, float] | None:
-    """cam_from_target, (4, 4), and rms of a view [px]."""
+    """cam_from_target, (4, 4), and rms [px] of a view."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", Caveat)  # the program says it of the views
         try:
@@ -88,7 +88,7 @@ def _views(detections: Detections) -> dict[Key, tuple[Array, Array]]:
 
 
 def _apart(A: Array, B: Array) -> float:
-    """How far poses (4, 4) are apart: radian of the turn + shift over distance."""
+    """The distance of poses (4, 4): radian of the turn + shift over distance."""
     turn = np.arccos(np.clip((np.trace(A[:3, :3].T @ B[:3, :3]) - 1) / 2, -1, 1))
     length = np.linalg.norm(A[:3, 3]) + np.linalg.norm(B[:3, 3])
     return float(turn + 2 * np.linalg.norm(A[:3, 3] - B[:3, 3]) / max(length, 1e-12))
@@ -157,7 +157,7 @@ def mirrored(detections: Detections, name: str, by_rows: bool) -> dict[str, Any]
 
 
 def same_pictures(detections: Detections) -> list[str]:
-    """Cameras that saw the same, to the last bit: two are never so alike."""
+    """Cameras that saw the same to the last bit: two real cameras never do."""
     views, told = _views(detections), []
     for a, b in itertools.combinations(detections.cameras, 2):
         both = [f for f in detections.frames if (a, f) in views and (b, f) in views]
@@ -175,7 +175,7 @@ def same_pictures(detections: Detections) -> list[str]:
 
 
 def swapped(detections: Detections, cameras: Mapping[str, Camera]) -> list[str]:
-    """Cameras whose views fit the intrinsics of another one, which fit theirs."""
+    """Pairs of cameras whose views fit each other's intrinsics."""
     rms: dict[Key, list[float]] = {}
     views = _views(detections)
     names = detections.cameras
@@ -208,7 +208,7 @@ def swapped(detections: Detections, cameras: Mapping[str, Camera]) -> list[str]:
 def compare(
     found: Mapping[str, Camera], given: Mapping[str, Camera], detections: Detections
 ) -> list[str]:
-    """What a rig says against one that was known: another scale, cameras swapped."""
+    """Compares a rig with one that was known: another scale, cameras swapped."""
     before = {n: c.cam_from_rig for n, c in given.items() if c.cam_from_rig is not None}
     after = {n: c.cam_from_rig for n, c in found.items() if c.cam_from_rig is not None}
     names = [name for name in after if name in before]

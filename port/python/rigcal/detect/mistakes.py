@@ -1,4 +1,4 @@
-"""What is likely wrong where a target is not found, or is found with a doubt."""
+"""The likely mistake if a target is not found, or only doubtfully."""
 
 from __future__ import annotations
 
@@ -75,7 +75,7 @@ def beyond(image: Grey, uv: Array, board: Chessboard) -> tuple[int, int]:
 
 
 def second_board(image: Grey, uv: Array, board: Chessboard) -> bool:
-    """Whether there is another chessboard beside the one that was found."""
+    """Whether there is a second chessboard beside the one that was found."""
     cv2 = opencv()
     H = homography(grid_of(board.columns, board.rows), uv)
     c, r = board.columns, board.rows
@@ -92,7 +92,7 @@ FAST = 1 + 2 + 8  # cv2.CALIB_CB_ADAPTIVE_THRESH, _NORMALIZE_IMAGE, _FAST_CHECK
 
 
 def _sizes(board: Chessboard, by: int) -> list[tuple[int, int]]:
-    """Sizes that differ from the one given by at most so many, the nearest first."""
+    """Sizes that differ from the given one by at most `by`, the nearest first."""
     given = (max(board.columns, board.rows), min(board.columns, board.rows))
     columns = range(max(3, given[0] - by), given[0] + by + 1)
     rows = range(max(3, given[1] - by), given[1] + by + 1)
@@ -101,7 +101,7 @@ def _sizes(board: Chessboard, by: int) -> list[tuple[int, int]]:
 
 
 def size_shown(images: Sequence[Grey], board: Chessboard) -> tuple[int, int] | None:
-    """The number of inner corners that an image shows, if it is near the one given."""
+    """The number of inner corners that an image shows, if it is close to the given one."""
     cv2 = opencv()
     near = _sizes(board, NEAR)
     tried = [(image, size) for image in images[:PROBED] for size in near]
@@ -162,7 +162,7 @@ def _other_markers(images: Sequence[Grey], family: str, least: int = 2) -> str:
 
 
 def why_nothing(images: Sequence[Grey], target: Target) -> str:
-    """What is likely wrong, in a sentence; "" if nothing is known."""
+    """The likely mistake in a sentence; "" if none is known."""
     if not images:
         return ""
     widths = [edge_width(image) for image in images]

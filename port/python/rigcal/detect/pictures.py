@@ -1,4 +1,4 @@
-"""Pictures as arrays: of image files, of videos, as they are given."""
+"""Pictures as arrays, from image files, videos, or arrays."""
 
 from __future__ import annotations
 
@@ -78,7 +78,7 @@ def read_picture(picture: Any) -> Image:
 
 @dataclass(frozen=True)
 class Looks:
-    """What is told of a picture: size (width, height), channels, bits of a value, and by
+    """What is known of a picture: size (width, height), channels, bits of a value, and by
     how many degrees its EXIF says that it is turned."""
 
     size: tuple[int, int]
@@ -89,7 +89,7 @@ class Looks:
 
 
 def looks_of(image: Image, path: str = "") -> Looks:
-    """Error if it is no image."""
+    """Error if it is not an image."""
     channels = image.shape[2] if image.ndim == 3 else 1
     if image.ndim not in (2, 3) or channels not in (1, 3, 4) or not image.size:
         raise Error(
@@ -104,7 +104,7 @@ def looks_of(image: Image, path: str = "") -> Looks:
 
 
 def is_cut(path: str) -> bool:
-    """Whether a JPEG file lacks its end."""
+    """Whether the end of a JPEG file is missing."""
     try:
         with open(path, "rb") as file:
             is_jpeg = file.read(2) == b"\xff\xd8"

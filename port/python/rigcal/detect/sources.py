@@ -1,8 +1,8 @@
-"""Pictures of each camera, and which of them were taken at one time.
+"""The pictures of each camera, and which of them were taken at the same time.
 
-Image files are paired by what their names differ in, where these are the same for all
-cameras: left01.jpg and right01.jpg. Else they are paired by their order. Videos, and images
-with times, are paired by time.
+Image files are paired by the part in which their names differ, if it is the same for all
+cameras: left01.jpg and right01.jpg. Otherwise they are paired by their order. Videos, and
+images with times, are paired by time.
 """
 
 from __future__ import annotations
@@ -60,7 +60,7 @@ class Camera:
 
 @dataclass
 class Frame:
-    """Pictures that were taken at one time: the key of each camera."""
+    """Pictures taken at the same time: a key for each camera."""
 
     name: str
     keys: dict[str, str]
@@ -85,7 +85,7 @@ def _holds(folder: str, name: str) -> bool:
 
 
 def _files(source: str) -> list[str]:
-    """Files of a pattern, a folder, or the file itself."""
+    """The files of a pattern or a folder, or the file itself."""
     if os.path.isdir(source):
         found = [os.path.join(source, name) for name in os.listdir(source)]
         found = [path for path in found if _ending(path) in IMAGES | VIDEOS]
@@ -105,14 +105,14 @@ def _files(source: str) -> list[str]:
 
 
 def _prefix(names: Sequence[str]) -> str:
-    """What all begin with."""
+    """The common beginning of all names."""
     least, most = min(names), max(names)
     alike = (k for k, (a, b) in enumerate(zip(least, most)) if a != b)
     return least[: next(alike, len(least))]
 
 
 def _common(names: Sequence[str]) -> tuple[str, str]:
-    """What all names begin and end with, numbers left whole."""
+    """The common beginning and end of all names. Numbers are not cut."""
     head = _prefix(names)
     tail = _prefix([name[len(head) :][::-1] for name in names])[::-1]
     return re.sub(r"\d+$", "", head), re.sub(r"^\d+", "", tail)
@@ -123,7 +123,7 @@ def _stems(paths: Sequence[str]) -> list[str]:
 
 
 def _name_of(source: Any, paths: Sequence[str]) -> str:
-    """The camera's name: of its folder, of what its files have in common."""
+    """The camera's name: that of its folder, or the common part of its files' names."""
     if isinstance(source, str) and os.path.isdir(source):
         return os.path.basename(os.path.abspath(source))
     stems = _stems(paths)
@@ -135,7 +135,7 @@ def _name_of(source: Any, paths: Sequence[str]) -> str:
 
 
 def _keys(paths: Sequence[str]) -> list[str]:
-    """What names of files differ in: "01" of left01.jpg. Empty: it is in none."""
+    """The part in which names of files differ: "01" of left01.jpg. Empty: there is none."""
     stems = _stems(paths)
     if len(stems) == 1:
         numbers = re.findall(r"\d+", stems[0])
@@ -214,7 +214,7 @@ def _camera(name: str | None, source: Any, every: int, number: int) -> Camera:
 
 
 def cameras_of(sources: Any, every: int) -> list[Camera]:
-    """The cameras of what `rigcal.detect` is given."""
+    """The cameras that the sources of `rigcal.detect` describe."""
     if isinstance(every, bool) or not isinstance(every, int) or every < 1:
         raise Error(f"every: a whole number from 1 is expected, not {every!r}")
     if isinstance(sources, Mapping):
@@ -269,13 +269,14 @@ def read_times(given: Any) -> dict[tuple[str, str], float]:
 
 
 def _plain(key: str) -> str:
-    """A number without the zeros before it."""
+    """A number without leading zeros."""
     return str(int(key)) if key.isdecimal() else key
 
 
 def _by_order(own: dict[str, float], camera: Camera) -> dict[str, float]:
-    """Times by the number of the picture in a video, from 0. A table with one for each that
-    counts otherwise, as from 1 or from where the video was cut, has them in order."""
+    """Times by the number of the picture in the video, from 0. A table that counts
+    differently, from 1 or from where the video was cut, must have one for each picture in
+    order."""
     numbers = {str(k) for k in range(camera.count)}
     if len(own) != camera.count or set(own) == numbers:
         return own
@@ -333,7 +334,7 @@ def _label(camera: Camera, key: str) -> str:
 
 
 def frames_of(cameras: Sequence[Camera], by_time: bool) -> tuple[list[Frame], list[str]]:
-    """Which pictures belong together, and what is odd about it."""
+    """Groups the pictures that belong together, and says what is odd."""
     if by_time:
         return _frames_by_time(cameras)
     by_name = [{_plain(key): key for key in camera.pictures} for camera in cameras]
@@ -425,8 +426,8 @@ def _other_rates(cameras: Sequence[Camera], reference: Camera) -> Iterator[str]:
 
 
 def _frames_by_time(cameras: Sequence[Camera]) -> tuple[list[Frame], list[str]]:
-    """Of each picture of the slowest camera the nearest one of each other camera, where it
-    is within half the time between two pictures."""
+    """For each picture of the slowest camera, the nearest picture of each other camera, if
+    it is within half the time between two pictures."""
     told = []
     periods = [period_of(camera) for camera in cameras]
     slow = max(range(len(cameras)), key=lambda k: (periods[k], -len(cameras[k].pictures)))
@@ -476,7 +477,7 @@ def _frames_by_time(cameras: Sequence[Camera]) -> tuple[list[Frame], list[str]]:
 
 
 def pictures_of(camera: Camera, keys: set[str]) -> Iterator[tuple[str, Image | str]]:
-    """Key and path of each picture; of a video, and of arrays, the picture itself."""
+    """Key and path of each picture; for a video, and for arrays, the picture itself."""
     if not camera.video:
         yield from ((k, picture) for k, picture in camera.pictures.items() if k in keys)
         return

@@ -19,7 +19,7 @@ from ._node import Node, PlacedError
 
 PathLike = Union[str, "os.PathLike[str]"]
 
-# A rotation written with six digits is so far from one. It is replaced by the nearest.
+# The error of a rotation written with six digits. The nearest rotation replaces it.
 ROUNDING = 1e-5
 EXACT = 1e-9  # nearer than this it is kept to the last bit
 
@@ -103,7 +103,7 @@ Writer = Callable[[Sequence[Camera], Options], Files]
 
 
 def each(read: Callable[[Document, Options], Iterable[Camera]]) -> Reader:
-    """A reader of several files from the reader of one."""
+    """Makes a reader of several files from the reader of one."""
 
     def reader(documents: Sequence[Document], options: Options) -> list[Camera]:
         cameras: list[Camera] = []
@@ -119,7 +119,7 @@ def each(read: Callable[[Document, Options], Iterable[Camera]]) -> Reader:
 
 
 def rotation(node: Node) -> Array:
-    """A rotation matrix, or a rotation vector as one."""
+    """A rotation matrix from a matrix or a rotation vector."""
     values = node.array()
     if values.size == 3:
         with place(node):
@@ -140,7 +140,7 @@ def nearest(R: Array, node: Node) -> Array:
 
 
 def pose(R: Node, t: Node, name: str, scale: float) -> Transform:
-    """cam_from_rig of its two parts."""
+    """cam_from_rig from its two parts."""
     matrix = rotation(R)
     with place(t):
         return Transform(matrix, t.array((3,)) * scale, to=name, frm="rig")
@@ -165,7 +165,7 @@ def make(node: Node, K: Array, **fields: Any) -> Camera:
 
 
 def unmarked_lens(dist: Array, node: Node, options: Options) -> str:
-    """The lens of a file that does not say which: 4 coefficients are of either."""
+    """The lens, if the file does not say which: 4 coefficients fit either."""
     if options.lens is None and dist.size == 4:
         raise node.fail(
             "these 4 coefficients may be k1 k2 p1 p2 or those of a fisheye: "
@@ -175,12 +175,12 @@ def unmarked_lens(dist: Array, node: Node, options: Options) -> str:
 
 
 def shortest(dist: Sequence[float]) -> list[float]:
-    """A brown lens' coefficients without the zeros at the end: 0, 4, 5 or 8 of them."""
+    """The coefficients of a brown lens without zeros at the end: 0, 4, 5 or 8 of them."""
     return list(dist[: min(n for n in BROWN_LENGTHS if not any(dist[n:]))])
 
 
 def refuse(node: Node, model: str, known: Iterable[str]) -> PlacedError:
-    """To be raised: a lens model that the library does not have, by its name."""
+    """The error for a lens model that the library does not have."""
     return node.fail(
         f'the camera model "{model}" is not supported (supported: {", ".join(known)}): '
         "undistort the images with their own program"
@@ -189,7 +189,7 @@ def refuse(node: Node, model: str, known: Iterable[str]) -> PlacedError:
 
 @dataclass(frozen=True)
 class Layout:
-    """Where formats of one shape keep the parts of a camera."""
+    """The keys under which formats of one shape keep the parts of a camera."""
 
     matrix: str
     dist: str | None
@@ -260,7 +260,7 @@ def need_pose(camera: Camera) -> Transform:
 
 
 def dist_of(camera: Camera, least: int = 4) -> list[float]:
-    """The coefficients, with zeros so that there are `least` at least."""
+    """The coefficients, with zeros up to at least `least`."""
     return list(camera.dist) + [0.0] * (least - len(camera.dist))
 
 
@@ -279,7 +279,7 @@ def only_one(cameras: Sequence[Camera]) -> Camera:
 
 
 def left_out(camera: Camera) -> None:
-    """Warns that a pose does not go into the file."""
+    """Warns that the file has no place for a pose."""
     warn(f"{camera.name}: this format has no place for cam_from_rig: left out")
 
 

@@ -1,4 +1,4 @@
-"""A value in a file, which knows where it is: what is wrong is said with its place."""
+"""A value in a file that knows its place, so that errors can name it."""
 
 from __future__ import annotations
 
@@ -39,26 +39,26 @@ class Node:
         self.where = where
 
     def fail(self, what: str) -> PlacedError:
-        """To be raised: what is wrong here."""
+        """The error: what is wrong at this place."""
         return PlacedError(f"{self.where}: {what}" if self.where else what)
 
     def _at(self, key: str) -> str:
         return f"{self.where}.{key}" if self.where else key
 
     def mapping(self) -> dict[str, Node]:
-        """The parts by name; fails when this has no named parts."""
+        """The parts by name. Fails if this has no named parts."""
         if not isinstance(self.value, dict):
             raise self.fail("named values are expected")
         return {str(k): Node(v, self._at(str(k))) for k, v in self.value.items()}
 
     def list(self) -> list[Node]:
-        """The parts in order; fails when this is no list."""
+        """The parts in order. Fails if this is not a list."""
         if not isinstance(self.value, list):
             raise self.fail("a list is expected")
         return [Node(v, f"{self.where}[{i}]") for i, v in enumerate(self.value)]
 
     def get(self, *keys: str) -> Node | None:
-        """The part of the first of these names that is there and not null."""
+        """The first of these names that exists and is not null."""
         parts = self.mapping()
         for key in keys:
             if key in parts and parts[key].value is not None:
@@ -66,7 +66,7 @@ class Node:
         return None
 
     def __getitem__(self, keys: str | tuple[str, ...]) -> Node:
-        """The part of the first of these names that is there; fails without one."""
+        """The first of these names that exists. Fails if none does."""
         names = (keys,) if isinstance(keys, str) else keys
         part = self.get(*names)
         if part is None:

@@ -1,7 +1,7 @@
 """From bytes to named values, and back: YAML, JSON, TOML, XML, Python's literals.
 
-Every parser refuses a name that occurs twice in one place. What a parser of others raises
-comes out as Error with the line that it names."""
+Every parser refuses a name that occurs twice in one place. Errors of other parsers become
+an Error with their line."""
 
 from __future__ import annotations
 
@@ -155,7 +155,7 @@ _Dumper.add_representer(Matrix, _represent)
 
 
 def _depth(text: str) -> int:
-    """How deep brackets are nested at most, wherever they stand."""
+    """The deepest nesting of brackets, wherever they are."""
     depth = deepest = 0
     for bracket in re.findall(r"[\[\]{}]", text):
         depth += 1 if bracket in "[{" else -1

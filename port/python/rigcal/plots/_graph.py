@@ -94,7 +94,7 @@ def _network(ax: Any, cameras: list[str], common: Array, lost: Array, theme: The
             )  # fmt: skip
             text = str(common[i, j]) if common[i, j] else ""
             text += f" +{lost[i, j]}" if lost[i, j] else ""
-            # Not in the middle, where edges cross.
+            # not in the middle, where edges cross
             x, y = a + (0.5 if n <= 3 else 0.36) * (b - a)
             ax.text(x, y, text.strip(), ha="center", va="center", fontsize=8, zorder=2,
                     color=theme.ink, bbox={"facecolor": theme.paper, "edgecolor": "none",
@@ -154,7 +154,7 @@ def _calendar(
     table: npt.NDArray[np.int8],
     theme: Theme,
 ) -> None:
-    """A line a camera, a stroke a frame in which it saw the target."""
+    """A line for each camera, a stroke for each frame in which it saw the target."""
     width = max(1.0, min(9.0, 330 / max(len(frames), 1)))
     tall = 0.34 if len(cameras) > 2 else 0.2
     for k in range(len(cameras)):

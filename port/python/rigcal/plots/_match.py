@@ -123,7 +123,7 @@ def _ground(ax: Any, rig: Rig, name: str, picture: Any, theme: Theme) -> None:
 
 
 def _label(ax: Any, u: float, v: float, text: str, theme: Theme, colour: str) -> None:
-    """A text beside a place, higher than those that are there already."""
+    """Writes a text beside a place, above those that are there already."""
     (left, right), (bottom, top) = ax.get_xlim(), ax.get_ylim()
     x, y = (u - left) / (right - left), (v - bottom) / (top - bottom)
     taken = ax.__dict__.setdefault("_rigcal_labels", [])

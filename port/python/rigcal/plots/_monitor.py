@@ -1,4 +1,4 @@
-"""What a monitor said over time."""
+"""The reports of a monitor over time."""
 
 from __future__ import annotations
 

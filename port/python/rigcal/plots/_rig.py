@@ -52,7 +52,7 @@ def plot_rig(
 
 
 def caption(scene: Scene, k: float) -> str:
-    """What the ellipsoids are."""
+    """Says what the ellipsoids are."""
     if not scene.ellipsoids:
         return ""
     large = (
@@ -112,7 +112,7 @@ def _draw(ax: Any, scene: Scene, theme: Theme, box: Any) -> None:
 
 
 def _corner(figure: Any) -> Any:
-    """The figure's right bottom corner, a little inside."""
+    """The right bottom corner of the figure, slightly inside."""
     from matplotlib.transforms import ScaledTranslation
 
     return figure.transFigure + ScaledTranslation(-0.08, 0.06, figure.dpi_scale_trans)
@@ -169,7 +169,7 @@ def _grid(points: Array) -> tuple[list[Array], float]:
 
 
 def _names(ax: Any, scene: Scene, theme: Theme) -> None:
-    """Each name above its frustum; of those that would lie on each other one is higher."""
+    """Writes each name above its frustum. If two would overlap, one is moved up."""
     A, points = scene.turn, 72 / ax.figure.dpi
     taken: list[tuple[float, float, float]] = []
     tops = {}

@@ -62,7 +62,7 @@ class Scene:
 
     @property
     def points(self) -> Array:
-        """(n, 3): all places that are to be in the picture."""
+        """(n, 3): all places that must be in the picture."""
         lines = [line for of in self.frustums.values() for line in of]
         return np.vstack([*self.centres.values(), *lines, *self.boards.values()])
 

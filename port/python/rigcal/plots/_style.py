@@ -61,12 +61,12 @@ class Theme:
 
 
 def marker(k: int) -> str:
-    """Of camera k. Cameras of one colour have different ones."""
+    """The marker of camera k. Cameras with the same colour have different ones."""
     return MARKERS[(k % N_COLOURS + k // N_COLOURS) % len(MARKERS)]
 
 
 def need() -> Any:
-    """Matplotlib, or an Error that tells how to get it."""
+    """Matplotlib, or an Error that says how to install it."""
     try:
         import matplotlib
     except ImportError:
@@ -113,12 +113,12 @@ def clean(text: object, most: int | None = None) -> str:
 
 
 def plain(text: object, most: int = 40) -> str:
-    """A user's text in a picture as it is: no mathematics of Matplotlib."""
+    """A user's text in a picture, unchanged: Matplotlib's mathematics is off."""
     return clean(text, most).replace("$", r"\$")
 
 
 def say(ax: Any, text: str, theme: Theme) -> None:
-    """What there is to say where there is nothing to draw."""
+    """Says why there is nothing to draw."""
     ax.text(
         0.5, 0.5, text, transform=ax.transAxes, ha="center", va="center", wrap=True,
         color=theme.faint,
@@ -146,7 +146,7 @@ def count(n: int, what: str) -> str:
 
 
 def rms(values: Array) -> float:
-    """The root of the mean square of those that are numbers; NaN of none."""
+    """The root mean square of the values that are numbers; NaN if none is."""
     known = values[np.isfinite(values)]
     return float(np.sqrt(np.mean(known**2))) if known.size else math.nan
 

@@ -110,7 +110,7 @@ def arrow_scale(rig: Rig) -> float:
 
 
 def _chosen(error: Array, most: int) -> npt.NDArray[np.int64]:
-    """Rows to draw, at most so many: a third are the largest, the others lie evenly."""
+    """Rows to draw, at most `most`: a third are the largest, the others are spread."""
     n = len(error)
     if n <= most:
         return np.arange(n)

@@ -234,7 +234,7 @@ def write_table(rows: list[str], commit: str) -> None:
         "few points, and where one view has all of them.",
         "", "| file | lines | MB | s of the processor | memory, MB | memory over file |",
         "| --- | ---: | ---: | ---: | ---: | ---: |", *rows, "",
-        f"*{len(rows)} files, commit {commit}, gcc-double, {platform.machine()}, {model[0] if model else 'unknown'}*",
+        f"*{sum('not run' not in row for row in rows)} files, commit {commit}, gcc-double, {platform.machine()}, {model[0] if model else 'unknown'}*",
         ""]))
 
 
@@ -272,7 +272,7 @@ def main() -> int:
         sys.exit("lines: " + "\nlines: ".join(wrong))
     if options.form == "full" and not options.only:
         write_table(rows, options.commit or head())
-    print(f"{len(rows)} files: time and memory grow as the lines do")
+    print(f"{sum('not run' not in row for row in rows)} files: time and memory grow as the lines do")
     return 0
 
 

@@ -1,5 +1,5 @@
 /* For Frama-C's Eva: whatever the cameras, what stores them writes no byte beyond the size
- * that the header of the library states. tests/proof/run.sh tells how it runs.
+ * that the header of the library states. tests/proof/run.sh runs it.
  *
  * All numbers of N_CAMERAS cameras are unknown. The first is held, if HELD is 1. The array
  * ends where the calibration does; the capacity is any up to that. */

@@ -1,5 +1,5 @@
 /* For Frama-C's Eva: whatever the bytes, the reader of stored calibrations accesses nothing
- * out of bounds. tests/proof/run.sh tells how it runs.
+ * out of bounds. tests/proof/run.sh runs it.
  *
  * The header states how many bytes belong to the calibration. Stated lengths from
  * SHORTEST to LONGEST are tried one by one, each with all lengths at once that a caller

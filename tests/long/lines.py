@@ -187,14 +187,8 @@ def kept(kind: Kind, n: int, rigcal: str) -> pathlib.Path:
 
 
 def measure_once(kind: Kind, n: int, rigcal: str, folder: pathlib.Path, n_runs: int) -> tuple[int, float, int]:
-<<<<<<< HEAD
-    """The same, from an earlier run of this program and script if there is one."""
-    path = kept(kind, n, rigcal)
-=======
     """As `measure`, or from an earlier run of the same program and script."""
-    text = pathlib.Path(__file__).read_bytes() + pathlib.Path(rigcal).read_bytes()
-    path = ROOT / "build/lines" / f"{hashlib.sha256(text).hexdigest()[:16]}-{kind.name.replace(' ', '_')}-{n}.json"
->>>>>>> main
+    path = kept(kind, n, rigcal)
     if not path.exists():
         result = measure(kind, n, rigcal, folder, n_runs)
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -224,6 +218,7 @@ def head() -> str:
 
 
 def write_table(rows: list[str], commit: str) -> None:
+    n_run = sum("not run" not in row for row in rows)
     model = [line.split(":", 1)[1].strip() for line in open("/proc/cpuinfo") if line.startswith("model name")]
     kinds = [f"- {k.name}: {k.what}. At most {k.most} times the file." for k in KINDS]
     (ROOT / "tests/long/lines.md").write_text("\n".join([
@@ -234,7 +229,7 @@ def write_table(rows: list[str], commit: str) -> None:
         "few points, and where one view has all of them.",
         "", "| file | lines | MB | s of the processor | memory, MB | memory over file |",
         "| --- | ---: | ---: | ---: | ---: | ---: |", *rows, "",
-        f"*{sum('not run' not in row for row in rows)} files, commit {commit}, gcc-double, {platform.machine()}, {model[0] if model else 'unknown'}*",
+        f"*{n_run} files, commit {commit}, gcc-double, {platform.machine()}, {model[0] if model else 'unknown'}*",
         ""]))
 
 

@@ -1,14 +1,14 @@
-/* For Frama-C's Eva: whatever the bytes, the reader of stored calibrations accesses nothing
- * out of bounds. tests/proof/run.sh runs it.
+/* For Frama-C's Eva: whatever the bytes, the reader of stored calibrations accesses
+ * nothing out of bounds. tests/proof/run.sh runs it.
  *
  * The header states how many bytes belong to the calibration. Stated lengths from
- * SHORTEST to LONGEST are tried one by one, each with all lengths at once that a caller
- * may give: at least the stated one, up to SIZE_MAX, in an array that ends where the
- * stated bytes do; and less, in an array that ends where the header does. All bytes are
- * unknown, but the stated length and three fields of the header, REAL_BYTES, VERSION and
- * N_CAMERAS, and in version 2 whether the first camera is held, HELD. With ANY_HEADER only
- * the stated length is known. Then bytes without a whole header are tried too, and a
- * header that states more than LONGEST where there are fewer. */
+ * SHORTEST to LONGEST are tried one by one. With each, a caller gives every length at
+ * once: at least the stated one, up to SIZE_MAX, in an array that ends where the stated
+ * bytes do; and less, in an array that ends where the header does. All bytes are unknown
+ * except the stated length and three fields of the header: REAL_BYTES, VERSION and
+ * N_CAMERAS. In version 2 it is also known whether the first camera is held, HELD. With
+ * ANY_HEADER only the stated length is known. Then bytes without a whole header are tried
+ * too, and a header that states more than LONGEST where fewer bytes are given. */
 #include "rc_store.h"
 #include "rigcal_rig.h"
 
@@ -19,7 +19,7 @@ enum {
     LOWER = 3 * CAPACITY * (6 * CAPACITY + 1),
     HEADER = RIGCAL_STORE_HEADER_BYTES,
     AT_STATED = 20,
-    ROLE = 32 + 4 * REAL_BYTES + 12 /* where version 2 has the role of the first camera */
+    ROLE = 32 + 4 * REAL_BYTES + 12 /* place of the first camera's role in version 2 */
 };
 
 static uint8_t memory[LONGEST];

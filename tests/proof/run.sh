@@ -25,6 +25,9 @@ mkdir -p "$log"
 rm -f "$log"/*.md "$log/bad.txt"
 reader="store bytes camera lens transform rotation linalg calibrated joint intrinsics"
 
+commit=$(git rev-parse --short HEAD)
+git diff --quiet HEAD -- src include tests/proof || commit="$commit with changes"
+
 complain() {
     printf 'proof: %s\n' "$*" | tee -a "$log/bad.txt"
 }
@@ -114,9 +117,7 @@ write_table() {
     echo "| --- | --- | --- | ---: | ---: |"
     cat "$log/0.md" "$log/1.md"
     echo
-    changed=
-    git diff --quiet HEAD -- src include tests/proof || changed=" with changes"
-    echo "*$(date -u +%Y-%m-%d), commit $(git rev-parse --short HEAD)$changed, Frama-C $(frama-c -version)*"
+    echo "*$(date -u +%Y-%m-%d), commit $commit, Frama-C $(frama-c -version)*"
 }
 
 if [ "$form" = short ]; then

@@ -551,6 +551,7 @@ static void test_the_pair_of_the_widest_angle_is_tried_first(void)
     for (int i = 0; i < N; i += 3) {
         spoil(&rng, i, 40);
     }
+    memset(&solver, 0, sizeof solver); /* its pairs are read before they are begun */
     ASSERT_STATUS(RIGCAL_OK, rigcal_point_begin(&solver, &m.s));
     while (rigcal_point_step(&solver, 1) == RIGCAL_RUNNING) {
         double ray[2][3], across[3], sine2;

@@ -4,6 +4,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "rc_columns.h"
 #include "rc_finding.h"
 #include "rigcal_solvers.h"
 #include "test_support.h"
@@ -1056,6 +1057,27 @@ static void test_a_fault_explains_half_of_what_disagrees(void)
     }
 }
 
+/* Camera 0 may be free too, where another one has the reference clock. */
+static void test_free_clocks_are_counted_from_camera_0(void)
+{
+    int32_t states[3] = {RIGCAL_CLOCK_FREE, RIGCAL_CLOCK_HELD, RIGCAL_CLOCK_FREE};
+    rigcal_rig_clocks clocks;
+    rigcal_columns columns;
+    rigcal_rig rig;
+
+    memset(&rig, 0, sizeof rig);
+    memset(&clocks, 0, sizeof clocks);
+    memset(&columns, 0, sizeof columns);
+    rig.n_cameras = 3;
+    rig.clocks = &clocks;
+    clocks.states = states;
+    clocks.free_offsets = 1;
+    columns.rig = &rig;
+    TEST_ASSERT_EQUAL_UINT64(2, rc_columns_n_free(&columns));
+    clocks.free_drifts = 1;
+    TEST_ASSERT_EQUAL_UINT64(4, rc_columns_n_free(&columns));
+}
+
 TEST_MAIN()
 {
     RUN_TEST(test_each_fault_is_that_of_dense_least_squares);
@@ -1091,4 +1113,5 @@ TEST_MAIN()
     RUN_TEST(test_what_a_fault_explains_is_its_part_of_F_less_one);
     RUN_TEST(test_faults_are_ranked_in_any_order);
     RUN_TEST(test_a_fault_explains_half_of_what_disagrees);
+    RUN_TEST(test_free_clocks_are_counted_from_camera_0);
 }

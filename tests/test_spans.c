@@ -219,6 +219,28 @@ static void test_a_depth_range_may_end_where_an_arc_ends(void)
     ASSERT_STATUS(RIGCAL_OK, rigcal_spans_step(&solver, RIGCAL_SPANS_UNITS));
 }
 
+/* b looks away from all that a sees. The solver holds the borders of another band. */
+static void test_a_band_behind_the_camera_has_no_pixel(void)
+{
+    static const double t[3] = {-1, 0, 0}, turn[9] = {-1, 0, 0, 0, 1, 0, 0, 0, -1};
+    const rigcal_real uv_a[2] = {40, 30};
+    rigcal_match_pair pair;
+    rigcal_band band;
+    size_t n = 7;
+
+    beside(&band, 30, 0.7, 0, 0);
+    TEST_ASSERT_EQUAL_UINT64(3, find(&band));
+    memset(&pair, 0, sizeof pair);
+    pair.camera_a = pair.camera_b = &camera;
+    pair.b_from_a = test_transform(turn, t);
+    pair.sigma_b = RC(0.7);
+    pair.k = 2;
+    ASSERT_STATUS(RIGCAL_OK, rigcal_band_make(&band, &pair, uv_a));
+    ASSERT_STATUS(RIGCAL_ERR_OUTSIDE,
+                  rigcal_spans_find(spans, SPANS_MAX, &n, &solver, &band));
+    TEST_ASSERT_EQUAL_UINT64(7, n);
+}
+
 static void test_a_band_between_two_rows_has_no_pixel(void)
 {
     size_t n;
@@ -396,6 +418,7 @@ TEST_MAIN()
     RUN_TEST(test_a_level_band_has_level_spans);
     RUN_TEST(test_a_depth_range_ends_the_spans);
     RUN_TEST(test_a_depth_range_may_end_where_an_arc_ends);
+    RUN_TEST(test_a_band_behind_the_camera_has_no_pixel);
     RUN_TEST(test_a_band_between_two_rows_has_no_pixel);
     RUN_TEST(test_a_band_outside_the_image_has_no_pixel);
     RUN_TEST(test_the_spans_are_the_same_whatever_the_budgets);

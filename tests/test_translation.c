@@ -26,6 +26,21 @@ static void test_a_translation_on_paper(void)
     ASSERT_ARRAY_NEAR(expected, t, 3, TOL(1e-14, 1e-5));
 }
 
+/* Far away, so that all rays are near the axis: rays count as the same by their own size. */
+static void test_a_translation_through_a_telescope(void)
+{
+    const rigcal_real depth =
+        RC(TOL(1e17, 1e9)); /* rays less than the rounding of 1 apart */
+    const rigcal_bearing s[2] = {{{3, 4, 0}, {0, 0, 1}}, {{4, 4, 0}, {1, 0, depth}}};
+    const double expected[3] = {-3, -4, D(depth)};
+    rigcal_real t[3];
+
+    ASSERT_STATUS(RIGCAL_OK, rigcal_translation_least_squares(t, IDENTITY, s, 2));
+    ASSERT_NEAR(expected[0], t[0], 1e-3);
+    ASSERT_NEAR(expected[1], t[1], 1e-3);
+    ASSERT_NEAR(1, D(t[2]) / expected[2], TOL(1e-12, 1e-5));
+}
+
 /* At the rotation of the image, and at a rotation far from it. Depths are 3 to 6, the image
  * is about 0.2, and coordinates are up to 3: errors grow about 15 times. */
 static void test_translations_are_the_oracles(void)
@@ -224,6 +239,7 @@ static void test_arguments_of_the_translation_are_checked(void)
 TEST_MAIN()
 {
     RUN_TEST(test_a_translation_on_paper);
+    RUN_TEST(test_a_translation_through_a_telescope);
     RUN_TEST(test_translations_are_the_oracles);
     RUN_TEST(test_translations_of_perfect_images_are_true);
     RUN_TEST(test_translation_scales_with_the_target);

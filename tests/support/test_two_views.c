@@ -34,10 +34,12 @@ void test_wild_views(test_views *v, test_rng *rng)
 
     v->n = 2 + (int)(test_next(rng) % 2);
     for (int i = 0; i < v->n; i++) {
+        /* One after the other: a compiler may evaluate arguments in any order. */
+        const double c = test_uniform(rng, -0.3, 0.3);
+        const double b = test_uniform(rng, -0.6, 0.6);
         double R[9];
 
-        test_rotation(R, test_uniform(rng, -3, 3), test_uniform(rng, -0.6, 0.6),
-                      test_uniform(rng, -0.3, 0.3));
+        test_rotation(R, test_uniform(rng, -3, 3), b, c);
         v->cams_from_world[i] = test_transform(R, t);
         v->cameras[i] = test_pinhole();
         v->uv[2 * i] = RC(320 + 1000 * test_normal(rng));

@@ -300,8 +300,8 @@ def write(rows: pd.DataFrame, path: pathlib.Path) -> None:
     data = sink.getvalue()
     if path.exists() and path.read_bytes() == data:
         return
-    unfinished = path.with_name(f".{path.name}.{os.getpid()}")  # readers ignore files with
-                                                                # this name
+    # Readers ignore files with this name.
+    unfinished = path.with_name(f".{path.name}.{os.getpid()}")
     with open(unfinished, "wb") as file:
         file.write(data)
         file.flush()
@@ -311,8 +311,8 @@ def write(rows: pd.DataFrame, path: pathlib.Path) -> None:
 
 # ---- engines -----------------------------------------------------------------
 
-Work = Iterator[tuple[int, pd.DataFrame]]  # takes the number of a bucket and its rows, in
-                                           # any order
+# It takes the number of a bucket and its rows, in any order.
+Work = Iterator[tuple[int, pd.DataFrame]]
 
 
 def loop(tasks: dict[int, tuple[Any, ...]]) -> Work:

@@ -13,7 +13,8 @@ static void place_of(rigcal_real p[2], const rigcal_band *band, double share)
 {
     rigcal_real ends[2][2];
     rc_band_ends(ends, band);
-    const double far = atan2(ends[0][1], ends[0][0]), near = atan2(ends[1][1], ends[1][0]);
+    const double far = atan2(D(ends[0][1]), D(ends[0][0]));
+    const double near = atan2(D(ends[1][1]), D(ends[1][0]));
     const double angle = far + share * (near - far);
 
     p[0] = RC(cos(angle));

@@ -17,7 +17,7 @@ static void test_a_search_that_ends_after_a_refused_step_gives_its_point(void)
         rigcal_calibrated_rig rig = {.cameras = cameras, .group = group, .held = held};
         rigcal_sighting seen[3];
         rigcal_sightings s = {.rig = &rig, .seen = seen, .sigma_px = NOISE, .keep_all = 1};
-        rigcal_measured_point point;
+        rigcal_measured_point point = {.gains = NULL};
         test_views v;
         double X[3];
 

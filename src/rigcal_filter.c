@@ -386,8 +386,8 @@ static int tell(rc_news *news, rigcal_real *hPh, rigcal_real *nu, const rc_filte
 }
 
 /* room = 0. Here and below `zero` is nu - nu, which is 0 because nu is finite. If the
- * compiler knew that, it would call memset. Small C libraries clear byte by byte: that takes
- * 6 % of a monitor's frame. */
+ * compiler knew that, it would call memset. A small C library clears byte by byte, which
+ * takes 6 % of a monitor's frame. */
 static void clear_room(const rc_filter *f, rigcal_real zero)
 {
     for (size_t j = 0; j < f->n; j++) {

@@ -26,7 +26,7 @@ static void test_a_translation_on_paper(void)
     ASSERT_ARRAY_NEAR(expected, t, 3, TOL(1e-14, 1e-5));
 }
 
-/* Far away, so that all rays are near the axis: rays count as the same by their own size. */
+/* All rays are near the axis: whether they are the same is judged by their own size. */
 static void test_a_translation_through_a_telescope(void)
 {
     const rigcal_real depth =

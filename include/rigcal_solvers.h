@@ -153,6 +153,7 @@ typedef struct rigcal_trial_poses {
 struct rigcal_robust_solver {
     rigcal_points points; /* all of them */
     uint8_t *inliers;
+    size_t n_agree; /* that are marked at last */
     union rigcal_robust_work {
         rigcal_trial_poses trial;
         rigcal_pose_solver pose;
@@ -339,8 +340,7 @@ struct rigcal_spans_solver {
     int32_t side, way, node, n_arcs;            /* place on the border under way */
     int32_t phase, status, is_last, is_closing; /* last arc in range; near the lens's end */
     rigcal_real ends[2][2], start[2], at[2];    /* at: of the first node of the arc */
-    rigcal_real radius2, radius; /* of the image about the axis: normalised; px */
-    rigcal_real stride, length;  /* of the step from it to the last one: tangent; px */
+    rigcal_real radius2, radius, stride, length; /* image: 1, px; an arc: tangent, px */
     rigcal_real start_uv[2], start_height, start_speed; /* px for a tangent of 1 */
     rigcal_real u[RIGCAL_SPANS_NODES], v[RIGCAL_SPANS_NODES];
     rigcal_border_end corners[2][2]; /* indexed by side and way */

@@ -364,11 +364,6 @@ RC_APART static void refining_step(rigcal_pose_solver *s)
 
 /* ---- for other layers ---------------------------------------------------- */
 
-size_t rc_pose_n_used(const rigcal_pose_solver *s)
-{
-    return s->search.points.n_used;
-}
-
 int32_t rc_pose_n_found(const rigcal_pose_solver *s)
 {
     return s->search.optima.n;

@@ -406,6 +406,9 @@ static void solved_step(rigcal_robust_solver *s)
         s->rounds++ < ROUNDS) {
         begin_solving(s);
     } else {
+        for (int k = 0; k < RC_AGREE_BINS; k++) {
+            s->n_agree += off.count[k];
+        }
         s->by_chance = rc_agree_by_chance(&off, s->points.view.n, s->area_px2, CHANCE);
         s->phase = FITTING;
     }
@@ -586,7 +589,7 @@ rigcal_status rigcal_robust_result(rigcal_pose poses[], size_t capacity, size_t 
     if (solver->failure < 0) {
         return solver->failure;
     }
-    const size_t n = solver->points.view.n, count = rc_pose_n_used(&solver->work.pose);
+    const size_t n = solver->points.view.n, count = solver->n_agree;
     if (!(solver->by_chance < CHANCE_MOST)) {
         return RIGCAL_ERR_NO_CONSENSUS;
     }

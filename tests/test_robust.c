@@ -677,6 +677,7 @@ static void test_marks_that_rounding_decides_end(void)
             if (status >= 0) {
                 TEST_ASSERT_TRUE(least_error(&p, p.poses, p.n_found) < TOL(1e-9, 1e-3));
                 TEST_ASSERT_TRUE(!is_wide || p.n_inliers == 20);
+                TEST_ASSERT_EQUAL_UINT64(counted(&p), p.n_inliers);
             }
         }
     }

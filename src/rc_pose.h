@@ -10,8 +10,8 @@
 rigcal_status rc_pose_begin(rigcal_pose_solver *solver, int32_t *at_fault,
                             rigcal_points *points, const rigcal_pose_options *options);
 
-/* After a search is done: how many optima it found, optimum i, and its likelihood divided by
- * that of the first. */
+/* After a search is done: how many optima it found, optimum i, and its likelihood divided
+ * by that of the first. */
 int32_t rc_pose_n_found(const rigcal_pose_solver *s);
 void rc_pose_found(rigcal_transform *cam_from_points, const rigcal_pose_solver *s,
                    int32_t i);

@@ -103,7 +103,14 @@ run() {
     case $what in
     campaign) set -- -max_total_time="$seconds" "$@" ;;
     msan) set -- -runs=0 "$@" ;;
-    *) set -- -seed=1 -runs="$(runs_of "$name")" "$@" ;;
+    *) # in an order that is not the folder's, which differs from machine to machine
+        list=$(find "$found" -type f | LC_ALL=C sort | paste -s -d , -)
+        rm -rf "$build/empty"
+        mkdir -p "$build/empty"
+        set -- -seed=1 -runs="$(runs_of "$name")" -max_len=8192 -timeout=100 \
+            -print_final_stats=1 -artifact_prefix=build/fuzz/"$name"- -seed_inputs="$list" \
+            "$build/empty"
+        ;;
     esac
     if ! "$program" "$@" >"$log" 2>&1; then
         grep -a -e "a promise is broken" -e "ERROR" -e "runtime error" "$log" || tail "$log"

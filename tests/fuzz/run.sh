@@ -107,9 +107,11 @@ run() {
         list=$(find "$found" -type f | LC_ALL=C sort | paste -s -d , -)
         rm -rf "$build/empty"
         mkdir -p "$build/empty"
-        set -- -seed=1 -runs="$(runs_of "$name")" -max_len=8192 -timeout=100 \
+        set -- -seed=2 -runs="$(runs_of "$name")" -max_len=8192 -timeout=100 \
             -print_final_stats=1 -artifact_prefix=build/fuzz/"$name"- -seed_inputs="$list" \
             "$build/empty"
+        # Where the program is loaded decides what it takes for new.
+        ! setarch -R true 2>/dev/null || { set -- -R "$program" "$@" && program=setarch; }
         ;;
     esac
     if ! "$program" "$@" >"$log" 2>&1; then

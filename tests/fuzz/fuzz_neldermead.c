@@ -64,7 +64,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         /* The result must be the best of all costs, unless the evaluations ended at a
          * reflection. */
         PROMISE(cost <= least || status == RIGCAL_BUDGET_SPENT);
-    } else {
+    } else { /* such a reflection may have the only finite cost */
         PROMISE(!isfinite(least) || told == max_evals);
     }
     return 0;

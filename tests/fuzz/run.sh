@@ -1,8 +1,8 @@
 #!/bin/sh
 # The fuzz harnesses, with the address and undefined-behaviour sanitizers.
 #
-#   sh tests/fuzz/run.sh each from the corpus in double, with the same inputs each time; a
-#                                          step of CI
+#   sh tests/fuzz/run.sh                   each from the corpus in double, with the same inputs
+#                                          each time; a step of CI
 #   sh tests/fuzz/run.sh float             the same in float
 #   sh tests/fuzz/run.sh msan              the inputs found so far, under the memory sanitizer
 #   sh tests/fuzz/run.sh campaign SECONDS [HARNESS...]
@@ -96,25 +96,22 @@ run() {
     clang-19 $flags -fsanitize=fuzzer,$sanitize "tests/fuzz/fuzz_$1.c" tests/fuzz/fuzz.c \
         $others "$build/library.a" -lm -o "$program"
     found=$corpus/$1
-    set -- "$1" -max_len=8192 -timeout=100 -print_final_stats=1 \
-        -artifact_prefix=build/fuzz/"$1"- "$found"
     name=$1
-    shift
+    set -- "$program" -max_len=8192 -timeout=100 -print_final_stats=1 \
+        -artifact_prefix=build/fuzz/"$name"-
     case $what in
-    campaign) set -- -max_total_time="$seconds" "$@" ;;
-    msan) set -- -runs=0 "$@" ;;
-    *) # in an order that is not the folder's, which differs from machine to machine
+    campaign) set -- "$@" -max_total_time="$seconds" "$found" ;;
+    msan) set -- "$@" -runs=0 "$found" ;;
+    *) # The seed fixes the inputs if they are read in one order, and if the program is
+        # loaded at one address: libFuzzer decides by addresses which inputs it keeps.
         list=$(find "$found" -type f | LC_ALL=C sort | paste -s -d , -)
         rm -rf "$build/empty"
         mkdir -p "$build/empty"
-        set -- -seed=2 -runs="$(runs_of "$name")" -max_len=8192 -timeout=100 \
-            -print_final_stats=1 -artifact_prefix=build/fuzz/"$name"- -seed_inputs="$list" \
-            "$build/empty"
-        # Where the program is loaded decides what it takes for new.
-        ! setarch -R true 2>/dev/null || { set -- -R "$program" "$@" && program=setarch; }
+        set -- "$@" -seed=2 -runs="$(runs_of "$name")" -seed_inputs="$list" "$build/empty"
+        ! setarch -R true 2>/dev/null || set -- setarch -R "$@"
         ;;
     esac
-    if ! "$program" "$@" >"$log" 2>&1; then
+    if ! "$@" >"$log" 2>&1; then
         grep -a -e "a promise is broken" -e "ERROR" -e "runtime error" "$log" || tail "$log"
         echo "$name: a finding; its input is build/fuzz/$name-*, the log $log"
         return 1

@@ -89,22 +89,11 @@ static void test_a_border_is_k_standard_deviations_from_the_line(void)
  * away. */
 static void make_rows(rigcal_band *band)
 {
-    static const double t[3] = {-1, 0, 0};
     const rigcal_real uv_a[2] = {40, 30};
     rigcal_camera camera;
     rigcal_match_pair pair;
 
-    memset(&camera, 0, sizeof camera);
-    camera.width = 80;
-    camera.height = 60;
-    camera.fx = camera.fy = 50;
-    camera.cx = 40;
-    camera.cy = 30;
-    memset(&pair, 0, sizeof pair);
-    pair.camera_a = pair.camera_b = &camera;
-    pair.b_from_a = test_transform(NULL, t);
-    pair.sigma_b = RC(0.5);
-    pair.k = 4;
+    test_bands_beside(&pair, &camera, 0.5, 4);
     pair.near_a = 2;
     ASSERT_STATUS(RIGCAL_OK, rigcal_band_make(band, &pair, uv_a));
     TEST_ASSERT_TRUE(rc_edge_begin(&edge, band));

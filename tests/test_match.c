@@ -96,21 +96,10 @@ static void test_where_room_is_short_the_best_stay(void)
 /* Pinholes side by side, with noise in b alone. The pixel of a is (40, 20). */
 static void make_beside(void)
 {
-    static const double t[3] = {-1, 0, 0};
     static rigcal_camera camera;
     const rigcal_real uv_a[2] = {40, 20};
 
-    memset(&camera, 0, sizeof camera);
-    camera.width = 80;
-    camera.height = 60;
-    camera.fx = camera.fy = 50;
-    camera.cx = 40;
-    camera.cy = 30;
-    memset(&scene.pair, 0, sizeof scene.pair);
-    scene.pair.camera_a = scene.pair.camera_b = &camera;
-    scene.pair.b_from_a = test_transform(NULL, t);
-    scene.pair.sigma_b = RC(0.5);
-    scene.pair.k = 2;
+    test_bands_beside(&scene.pair, &camera, 0.5, 2);
     ASSERT_STATUS(RIGCAL_OK, rigcal_band_make(&band, &scene.pair, uv_a));
 }
 

@@ -150,21 +150,10 @@ static rigcal_camera camera;
  * sigma_b is the only noise: the band is 2 k sigma_b wide. */
 static void beside(rigcal_band *band, double v, double sigma_b, double near_a, double far_a)
 {
-    static const double t[3] = {-1, 0, 0};
     const rigcal_real uv_a[2] = {40, RC(v)};
     rigcal_match_pair pair;
 
-    memset(&camera, 0, sizeof camera);
-    camera.width = 80;
-    camera.height = 60;
-    camera.fx = camera.fy = 50;
-    camera.cx = 40;
-    camera.cy = 30;
-    memset(&pair, 0, sizeof pair);
-    pair.camera_a = pair.camera_b = &camera;
-    pair.b_from_a = test_transform(NULL, t);
-    pair.sigma_b = RC(sigma_b);
-    pair.k = 2;
+    test_bands_beside(&pair, &camera, sigma_b, 2);
     pair.near_a = RC(near_a);
     pair.far_a = RC(far_a);
     ASSERT_STATUS(RIGCAL_OK, rigcal_band_make(band, &pair, uv_a));
@@ -230,11 +219,8 @@ static void test_a_band_behind_the_camera_has_no_pixel(void)
 
     beside(&band, 30, 0.7, 0, 0);
     TEST_ASSERT_EQUAL_UINT64(3, find(&band));
-    memset(&pair, 0, sizeof pair);
-    pair.camera_a = pair.camera_b = &camera;
+    test_bands_beside(&pair, &camera, 0.7, 2);
     pair.b_from_a = test_transform(turn, t);
-    pair.sigma_b = RC(0.7);
-    pair.k = 2;
     ASSERT_STATUS(RIGCAL_OK, rigcal_band_make(&band, &pair, uv_a));
     ASSERT_STATUS(RIGCAL_ERR_OUTSIDE,
                   rigcal_spans_find(spans, SPANS_MAX, &n, &solver, &band));

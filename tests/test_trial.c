@@ -61,21 +61,31 @@ static int take(test_rng *rng, double noise_px)
     return rc_trial_take(&f, bodies, &seen, RC(0.1));
 }
 
+/* Moves the body: turns it about `axis` by `angle`, and shifts it by 2e-3 along y. `moved`
+ * and t are its pose then. */
+static void move(double moved[9], double t[3], size_t body, const double axis[3],
+                 double angle)
+{
+    double turn[9], R[9];
+
+    test_rotation_about(turn, axis, angle);
+    test_transform_parts(R, t, &truth[body]);
+    test_product(moved, turn, R);
+    t[1] += 2e-3;
+    truth[body] = test_transform(moved, t);
+}
+
 static void test_the_body_that_moved_is_named_and_found(void)
 {
     for (size_t body = 0; body < BODIES; body++) {
         test_rng rng = test_seed(10 + body);
         const double axis[3] = {1, -2, 1};
-        double sum = 0, turn[9], R[9], t[3], moved[9];
+        double sum = 0, t[3], moved[9];
         rigcal_transform pose;
         rigcal_real Sigma[36];
 
         begin();
-        test_rotation_about(turn, axis, 0.02);
-        test_transform_parts(R, t, &truth[body]);
-        test_product(moved, turn, R);
-        t[1] += 2e-3;
-        truth[body] = test_transform(moved, t);
+        move(moved, t, body, axis, 0.02);
         for (int i = 0; i < 200; i++) {
             (void)take(&rng, 0.3);
             if (i % 20 == 19) {
@@ -105,17 +115,13 @@ static void test_without_noise_the_step_is_found(void)
 {
     for (size_t body = 0; body < BODIES; body++) {
         test_rng rng = test_seed(20 + body);
-        const double axis[3] = {2, -1, 1}, t_step = 2e-3;
-        double turn[9], R[9], t[3], moved[9];
+        const double axis[3] = {2, -1, 1};
+        double R[9], t[3], moved[9];
         rigcal_transform pose;
         rigcal_real Sigma[36];
 
         begin();
-        test_rotation_about(turn, axis, 0.05);
-        test_transform_parts(R, t, &truth[body]);
-        test_product(moved, turn, R);
-        t[1] += t_step;
-        truth[body] = test_transform(moved, t);
+        move(moved, t, body, axis, 0.05);
         for (int i = 0; i < 300; i++) {
             (void)take(&rng, 0);
         }

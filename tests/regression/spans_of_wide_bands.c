@@ -1,9 +1,7 @@
 /* The spans of a band some hundred pixels wide missed pixels at a corner of the image: one
  * border had left the image, and a straight line joined its end with the other border. */
-#include <string.h>
-
 #include "rigcal_solvers.h"
-#include "test_support.h"
+#include "test_bands.h"
 
 enum { WIDTH = 80, HEIGHT = 60 };
 
@@ -19,17 +17,8 @@ static void assert_band(const rigcal_real uv_a[2])
     rigcal_match match;
     rigcal_band band;
 
-    memset(&camera, 0, sizeof camera);
-    camera.width = WIDTH;
-    camera.height = HEIGHT;
-    camera.fx = camera.fy = 50;
-    camera.cx = 40;
-    camera.cy = 30;
-    memset(&pair, 0, sizeof pair);
-    pair.camera_a = pair.camera_b = &camera;
+    test_bands_beside(&pair, &camera, 15, 2);
     pair.b_from_a = test_transform(NULL, t);
-    pair.sigma_b = 15;
-    pair.k = 2;
     ASSERT_STATUS(RIGCAL_OK, rigcal_band_make(&band, &pair, uv_a));
     ASSERT_STATUS(RIGCAL_OK, rigcal_spans_begin(&solver, &band));
     ASSERT_STATUS(RIGCAL_OK, rigcal_spans_step(&solver, RIGCAL_SPANS_UNITS));

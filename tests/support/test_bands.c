@@ -113,6 +113,24 @@ void test_bands_random(test_bands *scene, test_rng *rng, int kind, double size)
     scene->uv_a[1] = RC(test_uniform(rng, 0, scene->a.height - 1));
 }
 
+void test_bands_beside(rigcal_match_pair *pair, rigcal_camera *camera, double sigma_b,
+                       double k)
+{
+    static const double t[3] = {-1, 0, 0};
+
+    memset(camera, 0, sizeof *camera);
+    camera->width = 80;
+    camera->height = 60;
+    camera->fx = camera->fy = 50;
+    camera->cx = 40;
+    camera->cy = 30;
+    memset(pair, 0, sizeof *pair);
+    pair->camera_a = pair->camera_b = camera;
+    pair->b_from_a = test_transform(NULL, t);
+    pair->sigma_b = RC(sigma_b);
+    pair->k = RC(k);
+}
+
 /* ---- the truth ------------------------------------------------------------- */
 
 int test_ray_of(test_ray *ray, const rigcal_camera *camera, const rigcal_real uv[2])

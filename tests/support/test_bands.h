@@ -21,7 +21,7 @@ typedef struct {
  * all cross terms. The depth range has both ends, one, or none. */
 void test_bands_random(test_bands *scene, test_rng *rng, int kind, double size);
 
-/* Camera b is 1 to the right of a, and both are the same pinhole of 80 x 60 px, so lines are
+/* Camera b is 1 to the right of a. Both are the same pinhole of 80 x 60 px, so lines are
  * rows. sigma_b is the only noise. The pair keeps a pointer to the camera. */
 void test_bands_beside(rigcal_match_pair *pair, rigcal_camera *camera, double sigma_b,
                        double k);

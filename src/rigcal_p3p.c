@@ -108,9 +108,10 @@ static void pencil_cubic(rigcal_real c[4], rigcal_real *const C[2])
 /* The negative real root of y^3 - 3 r2 y + g, g >= 0, which lies apart from the others, or
  * alone. Newton's method starts from -2 r if the root is not beyond that. Else it starts
  * from g^(5/16) in place of the cube root. The curve is concave there: from the second step
- * on, y comes from beyond the root and does not pass it. Usually it takes 3 to 6 steps. By
- * the least g the start is no more than RC_EPS^(-1/16) times the cube root: there are at
- * most 16 steps in double and 8 in float, tried for all ratios of r2^3 to g. */
+ * on, y comes from beyond the root, each step takes a third of the way to it or more, and
+ * none passes it. Usually there are 3 to 6 steps. The least g keeps the start within
+ * RC_EPS^(-1/16) cube roots: there are at most 16 steps in double and 8 in float, tried for
+ * ratios of r2^3 to g from 0 to both infinities. */
 static rigcal_real root_apart(rigcal_real r2, rigcal_real g)
 {
     g = rc_max(g, CUBE_LEAST);

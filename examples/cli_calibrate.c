@@ -234,8 +234,8 @@ static void write_residuals(FILE *file, const calibration *c)
 
             fprintf(file, "%s,%s,%s", c->cameras.names.name[v->camera],
                     c->observations.frames.name[v->frame], view_point_name(c, v, k));
-            cli_write_numbers(file, v->first[k].seen.X_w, 3);
-            cli_write_numbers(file, v->first[k].seen.uv, 2);
+            cli_write_numbers(file, cli_X(&c->observations, &v->first[k]), 3);
+            cli_write_numbers(file, v->first[k].uv, 2);
             cli_write_known(file, r.duv[0], is_known);
             cli_write_known(file, r.duv[1], is_known);
             cli_write_known(file, r.error_px, is_known);

@@ -30,7 +30,7 @@ double length_of(const rigcal_real x[3])
 
 const char *view_point_name(const calibration *c, const view *v, size_t k)
 {
-    return c->observations.points.name[v->first[k].point];
+    return c->observations.points.name[cli_point(&c->observations, &v->first[k])];
 }
 
 int view_leaves_out(const view *v, size_t k)
@@ -51,11 +51,11 @@ int view_residual(residual *r, const calibration *c, const view *v, size_t k)
 int pose_residual(residual *r, const calibration *c, const view *v, size_t k,
                   const rigcal_transform *cam_from_target)
 {
-    const rigcal_observation *seen = &v->first[k].seen;
+    const cli_observation *seen = &v->first[k];
     rigcal_real X_c[3], uv[2];
 
     memset(r, 0, sizeof *r);
-    if (rigcal_transform_point(X_c, cam_from_target, seen->X_w) < 0 ||
+    if (rigcal_transform_point(X_c, cam_from_target, cli_X(&c->observations, seen)) < 0 ||
         rigcal_camera_project(uv, &c->cameras.camera[v->camera], X_c) < 0) {
         return 0;
     }
@@ -89,11 +89,16 @@ rigcal_view view_points(const calibration *c, const view *v)
 
     for (i = 0; i < v->n_seen; i++) {
         if (!view_leaves_out(v, i)) {
+            const cli_observation *o = &v->first[i];
+            rigcal_observation *observed = &c->observed[n];
+
             c->observed_at[n] = i;
             if (c->observed_sigma != NULL) {
-                c->observed_sigma[n] = v->first[i].sigma;
+                c->observed_sigma[n] = cli_sigma_of(&c->observations, o);
             }
-            c->observed[n++] = v->first[i].seen;
+            memcpy(observed->X_w, cli_X(&c->observations, o), sizeof observed->X_w);
+            memcpy(observed->uv, o->uv, sizeof observed->uv);
+            n++;
         }
     }
     return seen;
@@ -140,7 +145,7 @@ static void leave_out_unseen(const calibration *c, view *v)
     size_t i;
 
     for (i = 0; i < v->n_seen; i++) {
-        if (rigcal_camera_ray(ray, camera, v->first[i].seen.uv) == RIGCAL_ERR_NO_RAY) {
+        if (rigcal_camera_ray(ray, camera, v->first[i].uv) == RIGCAL_ERR_NO_RAY) {
             note_points(v);
             v->agree[i] = POINT_UNSEEN;
             v->n--;

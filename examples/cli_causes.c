@@ -194,7 +194,7 @@ static int fits_mirrored(const calibration *c, const view *v, const rigcal_trans
     size_t i, n = 0;
 
     for (i = 0; i < seen.n; i++) { /* view_points gathers them again at each call */
-        rigcal_real *uv = c->observed[i].uv;
+        rigcal_real *uv = c->gathered->list[i].uv;
 
         uv[is_upside_down] =
             (rigcal_real)(is_upside_down ? camera->height : camera->width) - 1 -
@@ -539,8 +539,10 @@ static double noise_of_rig(const calibration *c)
         return (double)c->choice.sigma_px;
     }
     for (i = 0; i < c->rig.n_views; i++) {
-        sum += (double)c->rig.view_poses[i].sse;
-        n += 2 * (double)c->rig.view_poses[i].n - 6;
+        const rigcal_view_pose pose = pose_in_rig(c, i);
+
+        sum += (double)pose.sse;
+        n += 2 * (double)pose.n - 6;
     }
     return c->pose.sigma_px > 0 ? (double)c->pose.sigma_px : sqrt(sum / fmax(n, 1)) + 1e-9;
 }

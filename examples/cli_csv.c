@@ -265,6 +265,27 @@ void cli_free(void *memory)
     blocks[i] = blocks[--n_blocks];
 }
 
+void *cli_keep(size_t size)
+{
+    enum { BLOCK = 65536, LARGE = 4096 };
+    static char *block;
+    static size_t left;
+    const size_t rounded = (size + sizeof(double) - 1) / sizeof(double) * sizeof(double);
+    char *piece;
+
+    if (size > LARGE) {
+        return cli_alloc(size, 1);
+    }
+    if (rounded > left) {
+        block = cli_alloc(BLOCK, 1);
+        left = BLOCK;
+    }
+    piece = block;
+    block += rounded;
+    left -= rounded;
+    return piece;
+}
+
 /* ==== the file, its lines, its fields ===================================== */
 
 /* A file that is read line by line. */

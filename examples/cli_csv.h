@@ -52,6 +52,10 @@ void *cli_alloc(size_t count, size_t size);
 void *cli_resize(void *memory, size_t count, size_t size);
 void cli_free(void *memory);
 
+/* The same as cli_alloc for little memory that is never resized or freed by itself. Many
+ * pieces share a block. */
+void *cli_keep(size_t size);
+
 /* Reads the decimal number at the begin of a text. If it is not finite and within
  * rigcal_real, *problem says what is wrong. Returns where the number ends. */
 const char *cli_number(double *value, const char **problem, const char *text);

@@ -114,6 +114,15 @@ const rigcal_real *cli_X(const cli_observations *observations, const cli_observa
     return observations->X != NULL ? observations->X[o->place] : NOT_READ;
 }
 
+rigcal_observation cli_seen(const cli_observations *observations, const cli_observation *o)
+{
+    rigcal_observation seen;
+
+    memcpy(seen.X_w, cli_X(observations, o), sizeof seen.X_w);
+    memcpy(seen.uv, o->uv, sizeof seen.uv);
+    return seen;
+}
+
 rigcal_real cli_sigma_of(const cli_observations *observations, const cli_observation *o)
 {
     const cli_line_of_row *from = observations->lines;

@@ -82,9 +82,11 @@ typedef struct {
 } cli_observations;
 #define CLI_NOT_TURNED UINT32_MAX
 
-/* Of an observation: the number of its point's name; X, Y, Z; the relative noise. */
+/* Of an observation: the number of its point's name; X, Y, Z; the same with its pixel; the
+ * relative noise. */
 size_t cli_point(const cli_observations *observations, const cli_observation *o);
 const rigcal_real *cli_X(const cli_observations *observations, const cli_observation *o);
+rigcal_observation cli_seen(const cli_observations *observations, const cli_observation *o);
 rigcal_real cli_sigma_of(const cli_observations *observations, const cli_observation *o);
 
 /* Sorted by frame, point, camera. `columns` may be CLI_TARGETS: X, Y, Z are read; and

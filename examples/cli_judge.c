@@ -83,7 +83,7 @@ void note_verdicts(calibration *c)
     for (i = 0; i < c->rig.n_views; i++) {
         view *v = &c->views[c->view_of[i]];
 
-        v->verdict = c->judged[i].verdict;
+        v->verdict = (int8_t)c->judged[i].verdict;
         v->is_left_out =
             v->verdict == RIGCAL_VIEW_CONTRADICTS || v->verdict == RIGCAL_VIEW_ONE_OF_TWO;
         v->in_rig = !v->is_left_out;
@@ -206,7 +206,7 @@ int judge_rig(calibration *c)
     for (i = 0; i < c->n_views; i++) {
         c->views[i].verdict = -1;
     }
-    c->choice.second_poses = c->second_poses;
+    c->choice.second_source = second_pose_at;
     c->choice.takes = cli_alloc(c->rig.n_views, sizeof *c->choice.takes);
     c->judged = cli_alloc(c->rig.n_views, sizeof *c->judged);
     status = choose_poses(c, &at_fault);

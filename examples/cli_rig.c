@@ -82,55 +82,18 @@ static void number_cameras(calibration *c)
         if (c->rig.n_cameras == 0 || c->camera[c->rig.n_cameras - 1] != v->camera) {
             c->camera[c->rig.n_cameras++] = v->camera;
         }
-        v->rig_camera = c->rig.n_cameras - 1;
+        v->rig_camera = (uint32_t)(c->rig.n_cameras - 1);
     }
-}
-
-/* Makes a view of the library from one of ours. Its points are gathered when they are
- * needed, so only one view at a time is in memory twice. */
-static void fill_view(rigcal_rig_view *seen, const calibration *c, const view *v)
-{
-    memset(seen, 0, sizeof *seen);
-    seen->view = view_points(c, v);
-    seen->camera = (int32_t)v->rig_camera;
-    seen->placement = (int32_t)v->placement;
-}
-
-static rigcal_status view_at(rigcal_rig_view *seen, size_t index, void *context)
-{
-    const calibration *c = context;
-
-    fill_view(seen, c, &c->views[c->view_of[index]]);
-    return RIGCAL_OK;
-}
-
-/* Makes the library's form of pose number `which` of the view; with n = 0 if there is no
- * such pose. */
-static rigcal_status make_pose(rigcal_view_pose *pose, const calibration *c, const view *v,
-                               size_t which)
-{
-    rigcal_rig_view seen;
-    rigcal_status status = RIGCAL_ERR_NO_POSE;
-
-    memset(pose, 0, sizeof *pose);
-    if (which < v->n_poses) {
-        fill_view(&seen, c, v);
-        status = rigcal_view_pose_make(pose, &seen, &v->poses[which].cam_from_world);
-    }
-    if (status != RIGCAL_OK) {
-        pose->n = 0;
-    }
-    return status;
 }
 
 static void gather_views(calibration *c)
 {
-    rigcal_view_pose *poses = cli_alloc(c->n_views, sizeof *poses);
-    rigcal_view_pose *second = cli_alloc(c->n_views, sizeof *second);
     place *places = cli_alloc(c->n_views, sizeof *places);
     size_t i, n = 0;
 
-    c->view_of = cli_alloc(c->n_views, sizeof *c->view_of);
+    if (c->view_of == NULL) {
+        c->view_of = cli_alloc(c->n_views, sizeof *c->view_of);
+    }
     for (i = 0; i < c->n_views; i++) {
         places[i].placement = c->views[i].placement;
         places[i].view = i;
@@ -138,13 +101,13 @@ static void gather_views(calibration *c)
     qsort(places, c->n_views, sizeof *places, compare_places);
     for (i = 0; i < c->n_views; i++) {
         view *v = &c->views[places[i].view];
-        const rigcal_status status = make_pose(&poses[n], c, v, 0);
+        rigcal_view_pose pose;
+        const rigcal_status status = make_pose(&pose, c, v, 0);
 
         v->in_rig = status == RIGCAL_OK;
         if (v->in_rig) {
-            make_pose(&second[n], c, v, 1);
-            v->rig_view = n;
-            c->view_of[n++] = places[i].view;
+            v->rig_view = (uint32_t)n;
+            c->view_of[n++] = (uint32_t)places[i].view;
         } else if (c->n_paired == 0) { /* otherwise the user has been told */
             say_of_view(c, v,
                         cli_text("camera %s in frame %s is left out of the rig: %s",
@@ -156,8 +119,7 @@ static void gather_views(calibration *c)
     cli_free(places);
     c->rig.view_source = view_at;
     c->rig.context = c;
-    c->rig.view_poses = poses;
-    c->second_poses = second;
+    c->rig.view_pose_source = pose_at;
     c->rig.n_views = n;
 }
 
@@ -341,7 +303,7 @@ void find_noise(calibration *c)
     for (i = 0; i < c->rig.n_views; i++) {
         own += c->rig.left_out != NULL && c->rig.left_out[i]
                    ? 0
-                   : (double)c->rig.view_poses[i].sse;
+                   : (double)pose_in_rig(c, i).sse;
     }
     c->own_rms_px = sqrt(own / (double)fit->n_points);
     if (c->pose.sigma_px > 0) {

@@ -81,30 +81,178 @@ static rigcal_real distance_to_points(const rigcal_transform *cam_from_target,
     return (rigcal_real)length_of(X_c);
 }
 
-rigcal_view view_points(const calibration *c, const view *v)
+/* ==== the points of a view ================================================ */
+
+static gathered_points *new_points(const calibration *c, size_t room)
 {
-    rigcal_view seen = {&c->cameras.camera[v->camera], c->observed, c->observed_sigma,
-                        v->n};
-    size_t i, n = 0;
+    gathered_points *points = cli_alloc(1, sizeof *points);
 
-    for (i = 0; i < v->n_seen; i++) {
-        if (!view_leaves_out(v, i)) {
-            const cli_observation *o = &v->first[i];
-            rigcal_observation *observed = &c->observed[n];
+    points->room = room;
+    points->list = cli_alloc(room, sizeof *points->list);
+    points->sigma = c->is_weighing ? cli_alloc(room, sizeof *points->sigma) : NULL;
+    return points;
+}
 
-            c->observed_at[n] = i;
-            if (c->observed_sigma != NULL) {
-                c->observed_sigma[n] = cli_sigma_of(&c->observations, o);
-            }
-            memcpy(observed->X_w, cli_X(&c->observations, o), sizeof observed->X_w);
-            memcpy(observed->uv, o->uv, sizeof observed->uv);
-            n++;
-        }
-    }
+static rigcal_view view_with(const gathered_points *points, const calibration *c,
+                             const view *v)
+{
+    const rigcal_view seen = {&c->cameras.camera[v->camera], points->list, points->sigma,
+                              v->n};
+
     return seen;
 }
 
-static rigcal_status solve_by_paper(const calibration *c, view *v, const rigcal_view *seen,
+static void gather(gathered_points *points, const calibration *c, const view *v)
+{
+    size_t i, n = 0;
+
+    if (v->n > points->room) {
+        points->room = v->n;
+        points->list = cli_resize(points->list, v->n, sizeof *points->list);
+        if (points->sigma != NULL) {
+            points->sigma = cli_resize(points->sigma, v->n, sizeof *points->sigma);
+        }
+    }
+    for (i = 0; i < v->n_seen; i++) {
+        if (!view_leaves_out(v, i)) {
+            if (points->sigma != NULL) {
+                points->sigma[n] = cli_sigma_of(&c->observations, &v->first[i]);
+            }
+            points->list[n++] = cli_seen(&c->observations, &v->first[i]);
+        }
+    }
+    points->of = NULL;
+}
+
+rigcal_view view_points(const calibration *c, const view *v)
+{
+    gather(c->gathered, c, v);
+    return view_with(c->gathered, c, v);
+}
+
+static rigcal_rig_view in_rig(const rigcal_view *seen, const view *v)
+{
+    rigcal_rig_view of_rig;
+
+    memset(&of_rig, 0, sizeof of_rig);
+    of_rig.view = *seen;
+    of_rig.camera = (int32_t)v->rig_camera;
+    of_rig.placement = (int32_t)v->placement;
+    return of_rig;
+}
+
+rigcal_status view_at(rigcal_rig_view *seen, size_t index, void *context)
+{
+    const calibration *c = context;
+    const view *v = &c->views[c->view_of[index]];
+    const rigcal_view points = view_points(c, v);
+
+    c->gathered->of = v;
+    *seen = in_rig(&points, v);
+    return RIGCAL_OK;
+}
+
+/* What the best pose of a view of many points takes long to compute. It stands behind the
+ * poses of the view. In a view of few points it would be as large as their lines. */
+enum { MANY_POINTS = 8 };
+typedef struct {
+    rigcal_real information[21], sse;
+} known_information;
+
+static known_information *room_for_information(const view *v)
+{
+    return v->n >= MANY_POINTS ? (known_information *)(void *)(v->poses + v->n_poses)
+                               : NULL;
+}
+
+static void keep_poses(view *v, const rigcal_pose found[], size_t n_found)
+{
+    size_t size;
+
+    v->n_poses = (uint8_t)(n_found < POSES_KEPT ? n_found : POSES_KEPT);
+    size = v->n_poses * sizeof *v->poses;
+    v->poses = cli_keep(size + (v->n >= MANY_POINTS ? sizeof(known_information) : 0));
+    memcpy(v->poses, found, size);
+}
+
+/* Views that the library has got from view_at stay as they are. */
+static rigcal_status compute_pose(rigcal_view_pose *pose, const calibration *c,
+                                  const view *v, size_t which)
+{
+    gathered_points *points = c->gathered;
+    rigcal_view seen;
+    rigcal_rig_view of_rig;
+
+    if (points->of != NULL && points->of != v) {
+        points = c->aside;
+    }
+    if (points->of != v) {
+        gather(points, c, v);
+        points->of = v;
+    }
+    seen = view_with(points, c, v);
+    of_rig = in_rig(&seen, v);
+    return rigcal_view_pose_make(pose, &of_rig, &v->poses[which].cam_from_world);
+}
+
+rigcal_status make_pose(rigcal_view_pose *pose, const calibration *c, view *v, size_t which)
+{
+    known_information *known = which == 0 ? room_for_information(v) : NULL;
+    rigcal_status status = RIGCAL_OK;
+
+    memset(pose, 0, sizeof *pose);
+    if (which >= v->n_poses) {
+        return RIGCAL_ERR_NO_POSE;
+    }
+    if (known != NULL && v->has_information) {
+        pose->cam_from_target = v->poses[0].cam_from_world;
+        memcpy(pose->information, known->information, sizeof pose->information);
+        pose->sse = known->sse;
+        pose->n = v->n;
+        pose->camera = (int32_t)v->rig_camera;
+        pose->placement = (int32_t)v->placement;
+        return RIGCAL_OK;
+    }
+    status = compute_pose(pose, c, v, which);
+    if (status != RIGCAL_OK) {
+        pose->n = 0;
+    } else if (known != NULL) {
+        memcpy(known->information, pose->information, sizeof pose->information);
+        known->sse = pose->sse;
+        v->has_information = 1;
+    }
+    return status;
+}
+
+rigcal_status pose_at(rigcal_view_pose *pose, size_t index, void *context)
+{
+    const calibration *c = context;
+
+    return make_pose(pose, c, &c->views[c->view_of[index]], 0);
+}
+
+rigcal_status second_pose_at(rigcal_view_pose *pose, size_t index, void *context)
+{
+    const calibration *c = context;
+
+    make_pose(pose, c, &c->views[c->view_of[index]], 1);
+    return RIGCAL_OK;
+}
+
+rigcal_view_pose pose_in_rig(const calibration *c, size_t index)
+{
+    rigcal_view_pose pose;
+
+    if (c->rig.view_poses != NULL) {
+        return c->rig.view_poses[index];
+    }
+    make_pose(&pose, c, &c->views[c->view_of[index]], 0);
+    return pose;
+}
+
+/* ==== one pose ============================================================ */
+
+static rigcal_status solve_by_paper(const calibration *c, const rigcal_view *seen,
                                     int32_t *at_fault)
 {
     rigcal_paper_pose pose;
@@ -121,9 +269,9 @@ static rigcal_status solve_by_paper(const calibration *c, view *v, const rigcal_
     if (status < 0) {
         return status;
     }
-    v->n_poses = 1;
-    v->poses[0].cam_from_world = pose.cam_from_world;
-    measured = rigcal_view_rms(&v->poses[0].rms_px, NULL, seen, &pose.cam_from_world);
+    memset(c->found, 0, sizeof *c->found);
+    c->found[0].cam_from_world = pose.cam_from_world;
+    measured = rigcal_view_rms(&c->found[0].rms_px, NULL, seen, &pose.cam_from_world);
     return measured < 0 ? measured : status;
 }
 
@@ -131,7 +279,7 @@ static rigcal_status solve_by_paper(const calibration *c, view *v, const rigcal_
 static void note_points(view *v)
 {
     if (v->agree == NULL) {
-        v->agree = cli_alloc(v->n_seen, sizeof *v->agree);
+        v->agree = cli_keep(v->n_seen * sizeof *v->agree);
         memset(v->agree, POINT_COUNTS, v->n_seen);
     }
 }
@@ -178,23 +326,24 @@ static void name_unseen(const calibration *c, const view *v)
 }
 
 /* Solves with wrong points. Points that disagree do not count any more. */
-static rigcal_status solve_robustly(const calibration *c, view *v, const rigcal_view *seen,
-                                    int32_t *at_fault)
+static rigcal_status solve_robustly(size_t *n_found, const calibration *c, view *v,
+                                    const rigcal_view *seen, int32_t *at_fault)
 {
-    uint8_t *agree = cli_alloc(v->n, sizeof *agree);
-    size_t n_agree, i;
+    size_t n_agree, k, i = 0;
     const rigcal_status status =
-        rigcal_robust_solve(v->poses, RIGCAL_POSES_MAX, &v->n_poses, agree, &n_agree,
+        rigcal_robust_solve(c->found, RIGCAL_POSES_MAX, n_found, c->agree, &n_agree,
                             at_fault, seen, &c->robust);
 
     if (status < 0) {
         return status;
     }
     note_points(v);
-    for (i = 0; i < v->n; i++) {
-        v->agree[c->observed_at[i]] = agree[i] ? POINT_COUNTS : POINT_DISAGREES;
+    for (k = 0; k < v->n_seen; k++) {
+        if (v->agree[k] == POINT_COUNTS) {
+            v->agree[k] = c->agree[i++] ? POINT_COUNTS : POINT_DISAGREES;
+        }
     }
-    v->n = n_agree;
+    v->n = (uint32_t)n_agree;
     return status;
 }
 
@@ -204,8 +353,8 @@ void view_take(const calibration *c, view *v, size_t pose)
     const rigcal_view seen = view_points(c, v);
     rigcal_pose_uncertainty u;
 
-    v->taken = pose;
-    v->distance = distance_to_points(cam_from_target, c->observed, v->n);
+    v->taken = (uint8_t)pose;
+    v->distance = distance_to_points(cam_from_target, seen.observations, v->n);
     v->has_sigma = !v->by_paper && rigcal_pose_covariance(&u, &seen, cam_from_target,
                                                           c->pose.sigma_px) == RIGCAL_OK;
     if (v->has_sigma) {
@@ -214,25 +363,38 @@ void view_take(const calibration *c, view *v, size_t pose)
     }
 }
 
+/* The number, among all points of the view, of the point that has this number among those
+ * that count. */
+static int32_t number_of_point(const view *v, int32_t that_counts)
+{
+    int32_t k = 0;
+
+    for (; view_leaves_out(v, (size_t)k) || that_counts-- > 0; k++) {
+    }
+    return k;
+}
+
 static rigcal_status solve(const calibration *c, view *v, int32_t *at_fault)
 {
     const rigcal_view seen = view_points(c, v);
     rigcal_status status;
+    size_t n_found = 1;
 
-    v->by_paper = c->by_paper;
+    v->by_paper = c->by_paper != 0;
     if (v->by_paper) {
-        status = solve_by_paper(c, v, &seen, at_fault);
+        status = solve_by_paper(c, &seen, at_fault);
     } else if (c->is_robust && v->n >= ROBUST_LEAST) {
-        status = solve_robustly(c, v, &seen, at_fault);
+        status = solve_robustly(&n_found, c, v, &seen, at_fault);
     } else {
-        status = rigcal_pose_solve(v->poses, RIGCAL_POSES_MAX, &v->n_poses, at_fault, &seen,
+        status = rigcal_pose_solve(c->found, RIGCAL_POSES_MAX, &n_found, at_fault, &seen,
                                    &c->pose);
     }
     v->status = status;
-    if (*at_fault >= 0) {
-        *at_fault = (int32_t)c->observed_at[*at_fault];
+    if (status < 0 && *at_fault >= 0) {
+        *at_fault = number_of_point(v, *at_fault);
     }
     if (status >= 0) {
+        keep_poses(v, c->found, n_found);
         view_take(c, v, 0);
     }
     return status;
@@ -425,9 +587,10 @@ void solve_views(calibration *c)
         c->pairs = cli_alloc(c->n_pairs, sizeof *c->pairs);
         c->bearings = cli_alloc(most, sizeof *c->bearings);
     }
-    c->observed = cli_alloc(most, sizeof *c->observed);
-    c->observed_at = cli_alloc(most, sizeof *c->observed_at);
-    c->observed_sigma = c->is_weighing ? cli_alloc(most, sizeof *c->observed_sigma) : NULL;
+    c->gathered = new_points(c, most);
+    c->aside = new_points(c, 1);
+    c->found = cli_alloc(RIGCAL_POSES_MAX, sizeof *c->found);
+    c->agree = c->is_robust ? cli_alloc(most, sizeof *c->agree) : NULL;
     c->views = cli_alloc(n_views, sizeof *c->views);
     for (begin = 0; begin < count; begin = end) {
         view v;

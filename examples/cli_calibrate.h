@@ -213,7 +213,7 @@ void view_take(const calibration *c, view *v, size_t pose);
  * pose. pose_residual does the same for any pose. */
 typedef struct {
     rigcal_real duv[2], error_px;
-    int is_known; /* only from view_residuals_in_rig */
+    int is_known; /* only from next_residual */
 } residual;
 const char *view_point_name(const calibration *c, const view *v, size_t k);
 int view_leaves_out(const view *v, size_t k);
@@ -232,10 +232,19 @@ const char *rig_frame_name(const calibration *c);
  * taken. */
 rigcal_transform view_in_rig(const calibration *c, const view *v);
 
-/* The residual of each point of the view: observed minus projected by the rig. NULL if it
- * is not known. Points that do not count are computed from the placement at its own
- * instant. The result is valid until the next call. */
-const residual *view_residuals_in_rig(const calibration *c, const view *v);
+/* The residual of each point of the view: observed minus projected by the rig. With clocks,
+ * the target is where it was at the time of the view; for points that do not count, where
+ * it was at the instant of the placement. Ask for one view at a time, and for its points in
+ * their order. Points that do not count may be skipped. */
+typedef struct {
+    const view *v;
+    rigcal_transform pose;
+    const rigcal_real *duv; /* with clocks: of the points that count; else NULL */
+    size_t n_counted;       /* of these, the number that were asked for */
+    int is_known;
+} view_residuals;
+view_residuals residuals_in_rig(const calibration *c, const view *v);
+residual next_residual(view_residuals *of, const calibration *c, size_t k);
 
 /* Covariance of (w, dt) of a pose, and the standard deviations of its rotation and of the
  * camera's centre. */

@@ -75,7 +75,7 @@ static void number_cameras(calibration *c)
 {
     size_t i;
 
-    c->camera = cli_alloc(c->n_views, sizeof *c->camera);
+    c->camera = cli_alloc(c->cameras.names.count, sizeof *c->camera);
     for (i = 0; i < c->n_views; i++) {
         view *v = &c->views[i];
 
@@ -419,48 +419,37 @@ rigcal_transform view_in_rig(const calibration *c, const view *v)
     return pose;
 }
 
-/* With clocks, the residuals of a view are taken where the target is at the time of that
- * view. */
-static int put_residuals_by_clocks(residual list[], const calibration *c, const view *v)
+view_residuals residuals_in_rig(const calibration *c, const view *v)
 {
-    rigcal_real *duv = cli_alloc(2 * v->n, sizeof *duv);
-    size_t n, k, i = 0;
-    const rigcal_status status =
-        rigcal_rig_residuals(duv, 2 * v->n, &n, &c->rig, v->rig_view);
+    static rigcal_real *duv;
+    static size_t room;
+    view_residuals of = {v, view_in_rig(c, v), NULL, 0, 1};
 
-    for (k = 0; status == RIGCAL_OK && k < v->n_seen; k++) {
-        if (!view_leaves_out(v, k)) {
-            list[k].duv[0] = duv[2 * i];
-            list[k].duv[1] = duv[2 * i + 1];
-            list[k].error_px =
-                (rigcal_real)hypot((double)list[k].duv[0], (double)list[k].duv[1]);
-            i++;
+    if (c->rig.clocks != NULL && c->is_adjusted && v->in_rig) {
+        size_t n;
+
+        if (duv == NULL || 2 * (size_t)v->n > room) {
+            room = 2 * (size_t)v->n;
+            duv = duv == NULL ? cli_alloc(room, sizeof *duv)
+                              : cli_resize(duv, room, sizeof *duv);
         }
+        of.is_known =
+            rigcal_rig_residuals(duv, room, &n, &c->rig, v->rig_view) == RIGCAL_OK;
+        of.duv = duv;
     }
-    cli_free(duv);
-    return status == RIGCAL_OK;
+    return of;
 }
 
-const residual *view_residuals_in_rig(const calibration *c, const view *v)
+residual next_residual(view_residuals *of, const calibration *c, size_t k)
 {
-    static residual *list;
-    static size_t room;
-    const rigcal_transform pose = view_in_rig(c, v);
-    size_t k;
+    residual r;
 
-    if (v->n_seen > room) {
-        room = 2 * v->n_seen;
-        list = list == NULL ? cli_alloc(room, sizeof *list)
-                            : cli_resize(list, room, sizeof *list);
+    r.is_known = pose_residual(&r, c, of->v, k, &of->pose) && of->is_known;
+    if (of->is_known && of->duv != NULL && !view_leaves_out(of->v, k)) {
+        memcpy(r.duv, &of->duv[2 * of->n_counted++], sizeof r.duv);
+        r.error_px = (rigcal_real)hypot((double)r.duv[0], (double)r.duv[1]);
     }
-    for (k = 0; k < v->n_seen; k++) {
-        list[k].is_known = pose_residual(&list[k], c, v, k, &pose);
-    }
-    if (c->rig.clocks != NULL && c->is_adjusted && v->in_rig &&
-        !put_residuals_by_clocks(list, c, v)) {
-        return NULL;
-    }
-    return list;
+    return r;
 }
 
 /* Standard deviations of a pose with covariance Sigma: of the rotation, and of the centre,

@@ -67,8 +67,25 @@ typedef struct {
     const char *what, *advice;
     const char *cameras, *frames; /* names of the cameras and frames that it is about,
                                      separated by commas; or NULL */
-    int is_said;                  /* whether another message says the same */
 } finding;
+
+/* Why a view has no pose, is not in the rig, or is doubtful, in few bytes: it may be said of
+ * every line of the file. */
+typedef enum {
+    TROUBLE_TOO_FEW,
+    TROUBLE_POINT, /* no pose because of one point */
+    TROUBLE_NO_POSE,
+    TROUBLE_CAVEAT,
+    TROUBLE_LEFT_OUT, /* not in the rig */
+} trouble_kind;
+typedef struct {
+    rigcal_real rms_px;
+    uint32_t number; /* in the order of findings and troubles together */
+    uint32_t camera, frame;
+    uint32_t n; /* number of points; of TROUBLE_POINT: the number of its name */
+    int16_t status;
+    uint8_t kind;
+} view_trouble;
 
 /* What is known beforehand of each camera of cameras.csv. */
 typedef struct {
@@ -154,6 +171,8 @@ typedef struct {
     size_t n_left_out;          /* views */
     finding *findings;
     size_t n_findings, room_for_findings;
+    view_trouble *troubles;
+    size_t n_troubles, room_for_troubles;
     int sigma_is_told;   /* whether the user was told that --sigma is too small for most
                             views */
     int *camera_is_told; /* for each camera: whether the user was told what is wrong with
@@ -279,8 +298,13 @@ void tell_findings(calibration *c);
 int is_finding_told(const calibration *c, const finding *f);
 
 /* Says why a view has no pose, or is not in the rig, and keeps the reason for summary.json.
- * Does not change the exit status. */
-void say_of_view(calibration *c, const view *v, const char *what);
+ * Does not change the exit status. point: number of its name, for TROUBLE_POINT.
+ */
+void say_of_view(calibration *c, const view *v, trouble_kind kind, rigcal_status status,
+                 size_t point);
+
+/* The text of it, in memory of cli_alloc. */
+char *trouble_text(const calibration *c, const view_trouble *trouble);
 
 /* The name of a view's camera. The name of its frame. */
 const char *view_camera_name(const calibration *c, const view *v);

@@ -30,6 +30,11 @@ CLI_NORETURN void cli_fail(const char *format, ...) CLI_PRINTF(1, 2);
 void cli_hold(void);
 void cli_release(void);
 
+/* A message that `say` makes when it is shown. Where there may be very many, holding their
+ * text would take much memory. There is one function and context for all of them. */
+typedef void cli_later(const void *context, size_t number);
+void cli_say_later(cli_later *say, const void *context, size_t number);
+
 /* A formatted text in memory of cli_alloc. */
 char *cli_text(const char *format, ...) CLI_PRINTF(1, 2);
 

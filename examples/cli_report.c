@@ -84,6 +84,7 @@ void name_left_out(const calibration *c, const char *folder)
             list = cli_alloc(v->n_seen, sizeof *list);
             count = list_left_out(list, c, v);
             unnamed += name_points(c, v, list, count);
+            cli_free(list);
         }
     }
     if (unnamed > 0 && folder != NULL) {

@@ -109,10 +109,7 @@ static void gather_views(calibration *c)
             v->rig_view = (uint32_t)n;
             c->view_of[n++] = (uint32_t)places[i].view;
         } else if (c->n_paired == 0) { /* otherwise the user has been told */
-            say_of_view(c, v,
-                        cli_text("camera %s in frame %s is left out of the rig: %s",
-                                 view_camera_name(c, v), view_frame_name(c, v),
-                                 rigcal_status_text(status)));
+            say_of_view(c, v, TROUBLE_LEFT_OUT, status, 0);
             c->exit_status = CLI_GEOMETRY;
         }
     }

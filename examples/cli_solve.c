@@ -4,7 +4,11 @@
 #include <math.h>
 #include <string.h>
 
-enum { ROBUST_LEAST = 5 }; /* points that rigcal_robust_solve takes */
+enum {
+    POSE_LEAST = 3,
+    ROBUST_LEAST = 5
+}; /* points that a pose takes, and that
+                                              rigcal_robust_solve takes */
 
 /* At most this many views that fit badly are diagnosed. A view of 50 points takes about 3
  * ms, and if most views are bad, they have one cause. */
@@ -403,23 +407,18 @@ static rigcal_status solve(const calibration *c, view *v, int32_t *at_fault)
 /* Names a view that failed, or that has a caveat which the summary does not show. */
 static void name_trouble(calibration *c, const view *v, int32_t at_fault)
 {
-    const char *camera = view_camera_name(c, v), *frame = view_frame_name(c, v);
-    const char *text = rigcal_status_text(v->status), *what;
+    size_t point = 0;
+    trouble_kind kind = TROUBLE_CAVEAT;
 
     if (v->status == RIGCAL_ERR_TOO_FEW) {
-        what = cli_text("camera %s has no pose in frame %s: it sees %lu point%s there, and "
-                        "a pose takes 3 at least",
-                        camera, frame, (unsigned long)v->n, v->n == 1 ? "" : "s");
+        kind = TROUBLE_TOO_FEW;
     } else if (v->status < 0 && at_fault >= 0) {
-        what = cli_text("camera %s has no pose in frame %s because of point %s: %s", camera,
-                        frame, view_point_name(c, v, (size_t)at_fault), text);
+        kind = TROUBLE_POINT;
+        point = cli_point(&c->observations, &v->first[at_fault]);
     } else if (v->status < 0) {
-        what = cli_text("camera %s has no pose in frame %s: %s", camera, frame, text);
-    } else {
-        what = cli_text("camera %s in frame %s, %.3g px rms: %s", camera, frame,
-                        (double)view_taken(v)->rms_px, text);
+        kind = TROUBLE_NO_POSE;
     }
-    say_of_view(c, v, what);
+    say_of_view(c, v, kind, v->status, point);
 }
 
 /* Tells what the pose function returned for a view. A view without a pose is not kept. A
@@ -558,16 +557,20 @@ static int same_view(const cli_observation *a, const cli_observation *b)
     return a->camera == b->camera && a->frame == b->frame;
 }
 
-/* The number of views in the list, and the number of points of the largest. */
-static size_t count_views(const cli_observations *observations, size_t *most)
+/* The number of views in the list, the number of points of the largest, and the number of
+ * views that have points enough for a pose. */
+static size_t count_views(const cli_observations *observations, size_t *most,
+                          size_t *n_with_pose)
 {
     const cli_observation *list = observations->list;
     size_t begin = 0, end, n_views = 0;
 
     *most = 3;
+    *n_with_pose = 0;
     for (end = 1; end <= observations->count; end++) {
         if (end == observations->count || !same_view(&list[end - 1], &list[end])) {
             *most = end - begin > *most ? end - begin : *most;
+            *n_with_pose += end - begin >= POSE_LEAST;
             begin = end;
             n_views++;
         }
@@ -579,8 +582,8 @@ void solve_views(calibration *c)
 {
     const cli_observation *list = c->observations.list;
     const size_t count = c->observations.count;
-    size_t begin, end, most, n_done = 0;
-    const size_t n_views = count_views(&c->observations, &most);
+    size_t begin, end, most, n_with_pose, n_done = 0;
+    const size_t n_views = count_views(&c->observations, &most, &n_with_pose);
 
     if (c->by_paper) {
         c->n_pairs = rigcal_pairs_for(most);
@@ -591,7 +594,7 @@ void solve_views(calibration *c)
     c->aside = new_points(c, 1);
     c->found = cli_alloc(RIGCAL_POSES_MAX, sizeof *c->found);
     c->agree = c->is_robust ? cli_alloc(most, sizeof *c->agree) : NULL;
-    c->views = cli_alloc(n_views, sizeof *c->views);
+    c->views = cli_alloc(n_with_pose + 1, sizeof *c->views); /* and the one in work */
     for (begin = 0; begin < count; begin = end) {
         view v;
 

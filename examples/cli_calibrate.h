@@ -69,8 +69,8 @@ typedef struct {
                                      separated by commas; or NULL */
 } finding;
 
-/* Why a view has no pose, is not in the rig, or is doubtful, in few bytes: it may be said of
- * every line of the file. */
+/* Why a view has no pose, is not in the rig, or is doubtful, in few bytes: it may be said
+ * of every line of the file. */
 typedef enum {
     TROUBLE_TOO_FEW,
     TROUBLE_POINT, /* no pose because of one point */
@@ -136,7 +136,6 @@ typedef struct {
     gathered_points *gathered, *aside; /* work for one view */
     rigcal_pose *found;                /* RIGCAL_POSES_MAX */
     uint8_t *agree;
-    rigcal_bearing *bearings;
     rigcal_pair *pairs;
     size_t n_pairs;
 

@@ -95,8 +95,8 @@ enum { CLI_TARGETS = 1, CLI_SIGMAS = 2 };
 void cli_observations_read(cli_observations *observations, const char *path,
                            const cli_cameras *cameras, int columns);
 
-/* Sorts them by camera, frame and line, so that each view is together. No frame can be found
- * by its name any more. */
+/* Sorts them by camera, frame and line, so that each view is together. No frame can be
+ * found by its name any more. */
 void cli_observations_by_view(cli_observations *observations);
 
 /* Transforms by name: rig.csv by camera, targets.csv by frame. */

@@ -10,6 +10,11 @@ enum {
 }; /* points that a pose takes, and that
                                               rigcal_robust_solve takes */
 
+/* By the published procedure, a view of more than a quarter as many points gives this many
+ * pairs of points, and each point is in fewer pairs. All pairs of a view of a million points
+ * would take five times the memory of its lines. */
+enum { PAIRS_MOST = 16384 };
+
 /* At most this many views that fit badly are diagnosed. A view of 50 points takes about 3
  * ms, and if most views are bad, they have one cause. */
 enum { DIAGNOSED_MOST = 100 };
@@ -256,26 +261,56 @@ rigcal_view_pose pose_in_rig(const calibration *c, size_t index)
 
 /* ==== one pose ============================================================ */
 
-static rigcal_status solve_by_paper(const calibration *c, const rigcal_view *seen,
-                                    int32_t *at_fault)
+/* The bearings of the points that count. Gathers only some of the points at a time. */
+static rigcal_status find_bearings(rigcal_bearing bearings[], const calibration *c,
+                                   const view *v, int32_t *at_fault)
 {
+    enum { PART = 256 };
+    rigcal_observation part[PART];
+    rigcal_view seen = {&c->cameras.camera[v->camera], part, NULL, 0};
+    rigcal_status status = RIGCAL_ERR_TOO_FEW;
+    size_t k, n = 0;
+
+    for (k = 0; k < v->n_seen; k++) {
+        if (!view_leaves_out(v, k)) {
+            part[seen.n++] = cli_seen(&c->observations, &v->first[k]);
+        }
+        if (seen.n == PART || (seen.n > 0 && k + 1 == v->n_seen)) {
+            status = rigcal_bearings_of_view(bearings + n, at_fault, &seen);
+            if (status < 0) {
+                *at_fault += *at_fault >= 0 ? (int32_t)n : 0;
+                return status;
+            }
+            n += seen.n;
+            seen.n = 0;
+        }
+    }
+    return status;
+}
+
+static rigcal_status solve_by_paper(const calibration *c, const view *v, int32_t *at_fault)
+{
+    rigcal_bearing *bearings = cli_alloc(v->n, sizeof *bearings);
     rigcal_paper_pose pose;
     size_t n_pairs = 0;
     rigcal_status status, measured;
+    rigcal_view seen;
 
-    status = rigcal_bearings_of_view(c->bearings, at_fault, seen);
+    status = find_bearings(bearings, c, v, at_fault);
     if (status >= 0) {
-        status = rigcal_pairs_choose(c->pairs, c->n_pairs, &n_pairs, c->bearings, seen->n);
+        status = rigcal_pairs_choose(c->pairs, c->n_pairs, &n_pairs, bearings, v->n);
     }
     if (status >= 0) {
-        status = rigcal_paper_solve(&pose, c->bearings, seen->n, c->pairs, n_pairs, NULL);
+        status = rigcal_paper_solve(&pose, bearings, v->n, c->pairs, n_pairs, NULL);
     }
+    cli_free(bearings);
     if (status < 0) {
         return status;
     }
+    seen = view_points(c, v);
     memset(c->found, 0, sizeof *c->found);
     c->found[0].cam_from_world = pose.cam_from_world;
-    measured = rigcal_view_rms(&c->found[0].rms_px, NULL, seen, &pose.cam_from_world);
+    measured = rigcal_view_rms(&c->found[0].rms_px, NULL, &seen, &pose.cam_from_world);
     return measured < 0 ? measured : status;
 }
 
@@ -380,16 +415,18 @@ static int32_t number_of_point(const view *v, int32_t that_counts)
 
 static rigcal_status solve(const calibration *c, view *v, int32_t *at_fault)
 {
-    const rigcal_view seen = view_points(c, v);
+    rigcal_view seen;
     rigcal_status status;
     size_t n_found = 1;
 
     v->by_paper = c->by_paper != 0;
     if (v->by_paper) {
-        status = solve_by_paper(c, &seen, at_fault);
+        status = solve_by_paper(c, v, at_fault);
     } else if (c->is_robust && v->n >= ROBUST_LEAST) {
+        seen = view_points(c, v);
         status = solve_robustly(&n_found, c, v, &seen, at_fault);
     } else {
+        seen = view_points(c, v);
         status = rigcal_pose_solve(c->found, RIGCAL_POSES_MAX, &n_found, at_fault, &seen,
                                    &c->pose);
     }
@@ -587,10 +624,10 @@ void solve_views(calibration *c)
 
     if (c->by_paper) {
         c->n_pairs = rigcal_pairs_for(most);
+        c->n_pairs = c->n_pairs < PAIRS_MOST ? c->n_pairs : PAIRS_MOST;
         c->pairs = cli_alloc(c->n_pairs, sizeof *c->pairs);
-        c->bearings = cli_alloc(most, sizeof *c->bearings);
     }
-    c->gathered = new_points(c, most);
+    c->gathered = new_points(c, c->by_paper ? 1 : most);
     c->aside = new_points(c, 1);
     c->found = cli_alloc(RIGCAL_POSES_MAX, sizeof *c->found);
     c->agree = c->is_robust ? cli_alloc(most, sizeof *c->agree) : NULL;

@@ -4,15 +4,12 @@
 #include <math.h>
 #include <string.h>
 
-enum {
-    POSE_LEAST = 3,
-    ROBUST_LEAST = 5
-}; /* points that a pose takes, and that
-                                              rigcal_robust_solve takes */
+/* Points that a pose takes, and that rigcal_robust_solve takes. */
+enum { POSE_LEAST = 3, ROBUST_LEAST = 5 };
 
-/* By the published procedure, a view of more than a quarter as many points gives this many
- * pairs of points, and each point is in fewer pairs. All pairs of a view of a million points
- * would take five times the memory of its lines. */
+/* By the published procedure, a view gives at most this many pairs. In a view of more than
+ * a quarter as many points, each point is in fewer pairs. Otherwise the pairs of a million
+ * points would take five times the memory of their lines. */
 enum { PAIRS_MOST = 16384 };
 
 /* At most this many views that fit badly are diagnosed. A view of 50 points takes about 3

@@ -269,8 +269,14 @@ static void stamps_of_frames(known_times *times, const cli_observations *observa
         }
         last = o;
     }
-    times->n_stamps = n;
     qsort(times->stamps, n, sizeof *times->stamps, compare_stamps);
+    times->n_stamps = 0;
+    for (i = 0; i < n; i++) {
+        if (i == 0 || compare_stamps(&times->stamps[i - 1], &times->stamps[i]) != 0) {
+            times->stamps[times->n_stamps++] = times->stamps[i];
+        }
+    }
+    times->stamps = cli_resize(times->stamps, times->n_stamps, sizeof *times->stamps);
 }
 
 /* ==== the options ============================================================= */

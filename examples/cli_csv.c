@@ -94,7 +94,7 @@ void cli_release(void)
 /* Adds to the messages held. Returns 0 if memory is short: then all have been shown. */
 static int hold(const char text[], size_t size)
 {
-    if (held_size + size > held_room) {
+    if (held == NULL || held_size + size > held_room) {
         const size_t room = held_size + size + held_size / 2 + 1024;
         char *larger = realloc(held, room);
 

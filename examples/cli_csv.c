@@ -76,7 +76,7 @@ void cli_release(void)
     held = NULL;
     held_size = held_room = 0;
     is_holding = 0;
-    while (at < size) {
+    while (text != NULL && at < size) {
         const char *zero = memchr(text + at, '\0', size - at);
         const size_t end = zero != NULL ? (size_t)(zero - text) : size;
 

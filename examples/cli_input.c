@@ -387,6 +387,19 @@ static cli_observation *add_observation(cli_observations *observations, reading 
     return &observations->list[observations->count++];
 }
 
+/* Whether X is the same, to the sign of a zero. */
+static int is_repeated(const rigcal_real before[3], const rigcal_real X[3])
+{
+    int k;
+
+    for (k = 0; k < 3; k++) {
+        if ((signbit(before[k]) != 0) != (signbit(X[k]) != 0)) {
+            return 0;
+        }
+    }
+    return same_place(before, X);
+}
+
 /* The place of a point. A point that moves between lines gets a new one. */
 static uint32_t add_place(cli_observations *observations, reading *r, size_t point,
                           const rigcal_real X[3])
@@ -400,8 +413,7 @@ static uint32_t add_place(cli_observations *observations, reading *r, size_t poi
     for (i = before; i < r->room_for_points; i++) {
         r->latest[i] = none;
     }
-    if (r->latest[point] != none &&
-        memcmp(observations->X[r->latest[point]], X, sizeof *observations->X) == 0) {
+    if (r->latest[point] != none && is_repeated(observations->X[r->latest[point]], X)) {
         return r->latest[point];
     }
     i = r->room_for_places;

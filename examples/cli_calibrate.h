@@ -55,7 +55,7 @@ typedef struct {
     rigcal_observation *list;
     rigcal_real *sigma; /* relative sigma of each; NULL: all alike */
     size_t room;
-    const view *of; /* whose they are, if the rig was given them; else NULL */
+    size_t of; /* if the rig was given them: 1 + the number of the view; else 0 */
 } gathered_points;
 
 /* What is wrong, and what to do. Findings of the first rank are printed first. */

@@ -127,7 +127,7 @@ static void gather(gathered_points *points, const calibration *c, const view *v)
             points->list[n++] = cli_seen(&c->observations, &v->first[i]);
         }
     }
-    points->of = NULL;
+    points->of = 0;
 }
 
 rigcal_view view_points(const calibration *c, const view *v)
@@ -153,7 +153,7 @@ rigcal_status view_at(rigcal_rig_view *seen, size_t index, void *context)
     const view *v = &c->views[c->view_of[index]];
     const rigcal_view points = view_points(c, v);
 
-    c->gathered->of = v;
+    c->gathered->of = 1 + c->view_of[index];
     *seen = in_rig(&points, v);
     return RIGCAL_OK;
 }
@@ -185,16 +185,17 @@ static void keep_poses(view *v, const rigcal_pose found[], size_t n_found)
 static rigcal_status compute_pose(rigcal_view_pose *pose, const calibration *c,
                                   const view *v, size_t which)
 {
+    const size_t of = 1 + (size_t)(v - c->views);
     gathered_points *points = c->gathered;
     rigcal_view seen;
     rigcal_rig_view of_rig;
 
-    if (points->of != NULL && points->of != v) {
+    if (points->of != 0 && points->of != of) {
         points = c->aside;
     }
-    if (points->of != v) {
+    if (points->of != of) {
         gather(points, c, v);
-        points->of = v;
+        points->of = of;
     }
     seen = view_with(points, c, v);
     of_rig = in_rig(&seen, v);

@@ -425,6 +425,9 @@ static reason find_camera_reason(const calibration *c, size_t camera, int scales
             most = v;
         }
     }
+    if (most == NULL) {
+        return r;
+    }
     seen = view_points(c, most);
     by = symmetries_of(&seen);
     for (k = 0; k < scales && r.after == NULL; k++) {

@@ -332,11 +332,14 @@ void rc_filter_factor(rigcal_real P[], size_t n)
         column[j] = is_rounding ? least : column[j];
         /* A variance so small that its inverse overflows counts as 0. */
         const rigcal_real inverse = 1 / column[j];
-        const int is_zero = is_rounding || !rc_is_finite(inverse);
-        column[j] = rc_is_finite(inverse) ? column[j] : 0;
+        const rigcal_real by = rc_is_finite(inverse) ? inverse : 0;
+        const int is_zero = is_rounding || !(by > 0);
+        column[j] = (by > 0) ? column[j] : 0;
+        const rigcal_real *its_variance = P;
         for (size_t k = 0; k < j; k++) {
-            const rigcal_real most = column[j] * P[rc_packed_at(k, k)];
-            column[k] = (is_zero || column[k] * column[k] > most) ? 0 : column[k] * inverse;
+            const rigcal_real most = column[j] * *its_variance;
+            column[k] = (is_zero || column[k] * column[k] > most) ? 0 : column[k] * by;
+            its_variance += k + 2;
         }
     }
 }

@@ -137,10 +137,11 @@ RIGCAL_API rigcal_status rigcal_monitor_match_rays(rigcal_real monitor[], size_t
  *
  * OK. RIGCAL_AMBIGUOUS, RIGCAL_POOR_FIT, RIGCAL_VAGUE: the pose of a target without a
  * place is ambiguous, does not fit or is vague, and the target was not placed. Other
- * caveats of rigcal_pose_solve: the target was placed. ERR_NULL, ERR_NOT_FINITE, ERR_RANGE, ERR_STATE (also: between an
- * alarm and its answer no target gets a place), ERR_TOO_FEW, ERR_BEHIND, ERR_NO_RAY and
- * those of rigcal_pose_solve and rigcal_pose_covariance. A failed call changes nothing.
- * O(n n_bodies^2), and one pose if the target has no place. */
+ * caveats of rigcal_pose_solve: the target was placed. ERR_NULL, ERR_NOT_FINITE,
+ * ERR_RANGE, ERR_STATE (also: between an alarm and its answer no target gets a place),
+ * ERR_TOO_FEW, ERR_BEHIND, ERR_NO_RAY and those of rigcal_pose_solve and
+ * rigcal_pose_covariance. A failed call changes nothing. O(n n_bodies^2), and one pose if
+ * the target has no place. */
 RIGCAL_API rigcal_status rigcal_monitor_view(rigcal_real monitor[], int32_t *at_fault,
                                              size_t camera, size_t target,
                                              const rigcal_observation observations[],

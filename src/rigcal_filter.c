@@ -326,20 +326,18 @@ void rc_filter_factor(rigcal_real P[], size_t n)
 {
     for (size_t j = n; j-- > 0;) {
         rigcal_real *const column = &P[rc_packed_at(j, 0)];
-        const rigcal_real least = PIVOT_LEAST * column[j];
+        const rigcal_real least = PIVOT_LEAST * column[j], *its_variance = P;
         add_beyond(P, n, j, -1);
         const int is_rounding = !(column[j] > least);
         column[j] = is_rounding ? least : column[j];
         /* A variance so small that its inverse overflows counts as 0. */
         const rigcal_real inverse = 1 / column[j];
         const rigcal_real by = rc_is_finite(inverse) ? inverse : 0;
-        const int is_zero = is_rounding || !(by > 0);
         column[j] = (by > 0) ? column[j] : 0;
-        const rigcal_real *its_variance = P;
-        for (size_t k = 0; k < j; k++) {
+        for (size_t k = 0; k < j; its_variance += k + 2, k++) {
             const rigcal_real most = column[j] * *its_variance;
-            column[k] = (is_zero || column[k] * column[k] > most) ? 0 : column[k] * by;
-            its_variance += k + 2;
+            const int is_none = is_rounding || column[k] * column[k] > most;
+            column[k] = is_none ? 0 : column[k] * by;
         }
     }
 }

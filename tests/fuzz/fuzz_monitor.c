@@ -116,6 +116,7 @@ static void check_bodies(const rigcal_real monitor[], size_t n_cameras, size_t n
 
     for (i = 0; i < n_cameras + n_targets; i++) {
         PROMISE(rigcal_monitor_body(&report, monitor, i) == RIGCAL_OK);
+        PROMISE(fuzz_all_finite(report.weakest, 6) && report.weakest_sigma >= 0);
         PROMISE(report.share >= 0 && report.share <= 1);
         PROMISE(report.blame >= 0 && report.blame <= 1);
         status = rigcal_monitor_pair(&b_from_a, Sigma, monitor, 0, i);
@@ -127,6 +128,7 @@ static void check_bodies(const rigcal_real monitor[], size_t n_cameras, size_t n
         if (i < n_cameras) {
             PROMISE(rigcal_monitor_camera(&camera, monitor, i) == RIGCAL_OK);
             PROMISE(is_rigid(&camera.cam_from_rig));
+            PROMISE(fuzz_is_covariance(camera.Sigma, 6, FUZZ_TOL(1e-6, 1e-2)));
         }
     }
     open_rig(&kept);
@@ -177,6 +179,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 
     PROMISE(rigcal_monitor_defaults(&options) == RIGCAL_OK);
     options.arl0_frames = 100;
+    options.walk_rad = (rigcal_real)(size % 4 == 3 ? 0.03 : 0);
+    options.move_t = (rigcal_real)(size % 8 == 5 ? FUZZ_TOL(1e-170, 1e-30) : 0);
     read_rig(&rig, n_cameras, &bytes);
     MARK(monitor);
     status = rigcal_monitor_begin(monitor, SIZE, &rig.rig, n_targets, &options);

@@ -78,12 +78,16 @@ static rigcal_status see_target(rigcal_real monitor[], size_t camera, fuzz_bytes
     return status;
 }
 
+/* 1: the memory was altered between two frames, which the calls of that frame may not
+ * notice. */
+static int is_altered;
+
 static rigcal_status end_frame(rigcal_real monitor[], fuzz_bytes *bytes)
 {
     rigcal_monitor_report report, asked;
     const rigcal_status status = rigcal_monitor_frame(&report, monitor, fuzz_real(bytes));
 
-    if (status >= 0) {
+    if (status >= 0 && !is_altered) {
         PROMISE(rigcal_monitor_ask(&asked, monitor) == RIGCAL_OK);
         PROMISE(asked.alarm == report.alarm && asked.body == report.body);
         PROMISE(asked.rows == report.rows && asked.frames == report.frames);
@@ -177,6 +181,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     rigcal_status status;
     int calls;
 
+    is_altered = 0;
     PROMISE(rigcal_monitor_defaults(&options) == RIGCAL_OK);
     options.arl0_frames = 100;
     options.walk_rad = (rigcal_real)(size % 4 == 3 ? 0.03 : 0);
@@ -194,6 +199,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         if (fuzz_below(&bytes, 64) == 63) { /* altered memory must be refused, or do no
                                                harm */
             ((uint8_t *)monitor)[fuzz_word(&bytes) % sizeof monitor] ^= fuzz_byte(&bytes);
+            is_altered = 1;
             (void)one_call(monitor, n_cameras, &bytes);
             return 0;
         }

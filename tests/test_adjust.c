@@ -545,6 +545,42 @@ static void test_the_evaluations_are_bounded(void)
     }
 }
 
+/* After a damped step that helped all evaluations are spent. The equations that follow are
+ * for the covariance, and move nothing. */
+static void test_after_the_last_evaluation_nothing_moves(void)
+{
+    test_rng rng = test_seed(331);
+    int n_spent = 0;
+
+    WANTS_RIGS(1);
+    for (int trial = 0; trial < TEST_TRIALS(40); trial++) {
+        rigcal_transform cams[RIG_CAMERAS_MAX], places[RIG_PLACEMENTS_MAX];
+        rigcal_rig_solver solver;
+        rigcal_rig_fit fit;
+
+        test_rig_random(&r, &rng, 3, 5, 8);
+        test_rig_see_all(&r, &rng, 0.3);
+        test_rig_start(&r, &rng, 0.5, 0.8);
+        ASSERT_STATUS(RIGCAL_OK, rigcal_rig_begin(&solver, &r.rig));
+        while (solver.search.status == RIGCAL_RUNNING) {
+            (void)rigcal_rig_step(&solver, 1);
+            if (solver.search.lambda > 0 && solver.search.last_gain > 0) {
+                solver.evals = 200;
+            }
+        }
+        memcpy(cams, r.cams, sizeof cams);
+        memcpy(places, r.places, sizeof places);
+        while (rigcal_rig_step(&solver, 1) == RIGCAL_RUNNING) {
+        }
+        if (rigcal_rig_result(&fit, NULL, &solver) == RIGCAL_BUDGET_SPENT) {
+            TEST_ASSERT_EQUAL_MEMORY(cams, r.cams, sizeof cams);
+            TEST_ASSERT_EQUAL_MEMORY(places, r.places, sizeof places);
+            n_spent++;
+        }
+    }
+    TEST_ASSERT_TRUE(n_spent > 0 || TEST_ONE_IN > 1);
+}
+
 TEST_MAIN()
 {
     RUN_TEST(test_all_poses_and_covariances_are_those_of_dense_least_squares);
@@ -562,4 +598,5 @@ TEST_MAIN()
     RUN_TEST(test_residuals_are_observed_less_projected);
     RUN_TEST(test_a_placement_that_its_views_do_not_fix_is_degenerate);
     RUN_TEST(test_the_evaluations_are_bounded);
+    RUN_TEST(test_after_the_last_evaluation_nothing_moves);
 }

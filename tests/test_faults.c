@@ -412,6 +412,65 @@ static void test_clocks_that_are_free_are_not_found(void)
     }
 }
 
+/* ---- the unit of the pixels ------------------------------------------------------- */
+
+/* Makes each image 64 times smaller, about its corner: -0.5, -0.5. */
+static rigcal_real smaller(rigcal_real uv)
+{
+    return (uv + RC(0.5)) / 64 - RC(0.5);
+}
+
+static void shrink(fixture *f)
+{
+    for (int c = 0; c < CAMERAS; c++) {
+        rigcal_camera *const camera = &f->camera[c];
+
+        camera->width /= 64;
+        camera->height /= 64;
+        camera->fx /= 64;
+        camera->fy /= 64;
+        camera->cx = smaller(camera->cx);
+        camera->cy = smaller(camera->cy);
+    }
+    for (int v = 0; v < VIEWS; v++) {
+        for (int i = 0; i < POINTS; i++) {
+            f->o[v][i].uv[0] = smaller(f->o[v][i].uv[0]);
+            f->o[v][i].uv[1] = smaller(f->o[v][i].uv[1]);
+        }
+    }
+}
+
+/* The noise of small images is small too, down to a sum of squares below 1. */
+static void test_small_images_have_the_faults_of_large_ones(void)
+{
+    static rigcal_fault faults[FAULTS];
+
+    WANTS_A_RIG;
+    for (int scene = 0; scene < FAULTS_WHOLE_ROWS; scene++) {
+        set_up(&x, scene);
+        test_it(&x);
+        const rigcal_faults found = x.found;
+        memcpy(faults, x.faults, sizeof faults);
+        shrink(&x);
+        TEST_ASSERT_TRUE(least_sum(&x) < 1);
+        test_it(&x);
+        TEST_ASSERT_EQUAL_INT32(found.bits, x.found.bits);
+        TEST_ASSERT_EQUAL_INT32(found.n, x.found.n);
+        ASSERT_NEAR(D(found.sigma_px) / 64, x.found.sigma_px,
+                    TOL(1e-8, 1e-3) * D(found.sigma_px));
+        ASSERT_NEAR(D(found.own_px) / 64, x.found.own_px,
+                    TOL(1e-8, 1e-3) * D(found.own_px));
+        ASSERT_NEAR(found.F, x.found.F, TOL(1e-6, 1e-2) * D(found.F));
+        for (int i = 0; i < found.n; i++) {
+            const rigcal_fault *const seen = fault_of(&x, faults[i].kind, faults[i].camera);
+
+            TEST_ASSERT_EQUAL_INT32(faults[i].is_seen, seen->is_seen);
+            ASSERT_NEAR(faults[i].p, seen->p, TOL(1e-5, 0.05));
+            ASSERT_NEAR(faults[i].F_after, seen->F_after, TOL(1e-5, 0.05) * D(found.F));
+        }
+    }
+}
+
 /* ---- what cannot be seen ---------------------------------------------------------- */
 
 static void test_without_times_no_clock_is_tested_and_that_is_told(void)
@@ -1087,6 +1146,7 @@ TEST_MAIN()
     RUN_TEST(test_faults_are_those_of_adjustments_with_free_clocks_and_noisy_stamps);
     RUN_TEST(test_a_camera_that_moved_is_another_one_with_free_clocks);
     RUN_TEST(test_clocks_that_are_free_are_not_found);
+    RUN_TEST(test_small_images_have_the_faults_of_large_ones);
     RUN_TEST(test_without_times_no_clock_is_tested_and_that_is_told);
     RUN_TEST(test_placements_far_apart_in_time_have_no_motion);
     RUN_TEST(test_a_camera_without_views_has_no_faults);

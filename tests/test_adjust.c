@@ -494,25 +494,31 @@ static void test_residuals_are_observed_less_projected(void)
 }
 
 /* All points of placement 1 are one point, seen by six views or more: nothing shows how the
- * placement is turned. */
+ * placement is turned. No step is taken. */
 static void test_a_placement_that_its_views_do_not_fix_is_degenerate(void)
 {
     test_rng rng = test_seed(329);
+    rigcal_transform cams[RIG_CAMERAS_MAX], places[RIG_PLACEMENTS_MAX];
     rigcal_rig_fit fit;
     int32_t at_fault;
 
     WANTS_RIGS(1);
     test_rig_random(&r, &rng, 2, 2, 8);
     test_rig_see_all(&r, &rng, 0);
+    test_rig_start(&r, &rng, 0.01, 0.01);
     for (size_t v = 2; v < 4; v++) {
         for (int i = 1; i < 8; i++) {
             r.o[v][i] = r.o[v][0];
         }
     }
+    memcpy(cams, r.cams, sizeof cams);
+    memcpy(places, r.places, sizeof places);
     FILL(fit);
     ASSERT_STATUS(RIGCAL_ERR_DEGENERATE, rigcal_rig_adjust(&fit, &at_fault, &r.rig));
     ASSERT_UNTOUCHED(fit);
     TEST_ASSERT_EQUAL_INT32(3, at_fault);
+    TEST_ASSERT_EQUAL_MEMORY(cams, r.cams, sizeof cams);
+    TEST_ASSERT_EQUAL_MEMORY(places, r.places, sizeof places);
 }
 
 /* If all evaluations are spent, a search that could still gain ends with BUDGET_SPENT. A

@@ -758,12 +758,15 @@ static void test_more_than_the_variance_of_a_pixel_is_much(void)
 
 static void test_what_is_handed_in_is_checked(void)
 {
+    rigcal_rig_solver solver;
     rigcal_rig_fit fit;
 
     WANTS_MOTIONS();
     make(&SCENE, 122);
     m.clocks.sigma_time = RC(-0.01);
     ASSERT_STATUS(RIGCAL_ERR_RANGE, adjust(&fit));
+    ASSERT_STATUS(RIGCAL_ERR_RANGE, rigcal_rig_begin(&solver, &m.rig));
+    ASSERT_STATUS(RIGCAL_ERR_STATE, rigcal_rig_step(&solver, 1));
     m.clocks.sigma_time = TEST_INF;
     ASSERT_STATUS(RIGCAL_ERR_NOT_FINITE, adjust(&fit));
     m.clocks.sigma_time = RC(0.01);

@@ -463,8 +463,14 @@ static void test_an_image_that_no_yaw_explains_costs_the_most(void)
     TEST_ASSERT_TRUE(rc_moments_finish(&sums));
     for (int sign = -1; sign < 2; sign += 2) {
         const rigcal_real m3[3] = {RC(sign), 0, 0};
+        rigcal_transform pose;
+        double R[9];
 
         TEST_ASSERT_TRUE(rc_direction_cost(&sums, m3) >= RC_MAX);
+        rc_direction_pose(&pose, &sums, m3); /* of any yaw */
+        test_to_double(R, pose.R, 9);
+        ASSERT_ROTATION(R, TOL(1e-14, 1e-6));
+        ASSERT_NEAR(sign, R[6], 0);
     }
 }
 

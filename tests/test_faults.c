@@ -83,6 +83,12 @@ static void set_up(fixture *f, int scene)
     int32_t at_fault;
 
     memset(f, 0, sizeof *f);
+    for (size_t i = 0; i < sizeof f->work / sizeof *f->work; i++) {
+        f->work[i] = TEST_NAN; /* what is not written is not read */
+    }
+    for (size_t i = 0; i < sizeof f->room / sizeof *f->room; i++) {
+        f->room[i] = TEST_NAN;
+    }
     for (int c = 0; c < CAMERAS; c++, pose += 12) {
         set_camera(&f->camera[c], c);
         f->cams[c] = test_transform(pose, pose + 9);
@@ -228,10 +234,14 @@ static void test_the_clocks_are_told_one_by_one(void)
 {
     WANTS_A_RIG;
     set_up(&x, 2);
+    for (int c = 0; c < 2 * CAMERAS; c++) {
+        x.clocks[c] = TEST_NAN;
+    }
     test_it(&x);
     const rigcal_fault *const all = fault_of(&x, RIGCAL_FAULT_CLOCKS, -1);
 
     ASSERT_NEAR(0, x.clocks[0], 0);
+    ASSERT_NEAR(0, x.clocks[CAMERAS], 0);
     for (int c = 1; c < CAMERAS; c++) {
         ASSERT_NEAR(all->value[c - 1], x.clocks[c], 0);
         ASSERT_NEAR(all->sigma[c - 1], x.clocks[CAMERAS + c], 1e-6 * D(all->sigma[c - 1]));

@@ -662,6 +662,56 @@ static void test_a_place_near_the_turn_takes_more_than_a_few_steps(void)
 #endif
 }
 
+/* The slope is a thousand and more just before a pole. There the way to a pixel is followed
+ * in 32 parts or 64. */
+static void test_a_place_before_a_pole_is_reached_in_many_parts(void)
+{
+#if !RIGCAL_USE_FLOAT
+    static const double K[4][6] = {{2.25, -0.3, 2, -0.25, -3.16, 2.46},
+                                   {1.41, 0.67, 1.28, -2.16, -0.09, 1.7},
+                                   {-0.08, 0.14, 0.06, -0.11, -0.28, 0.07},
+                                   {0.2, 0.21, 0.06, -0.16, -0.1, 0.02}};
+    static const double RADIUS[4] = {0.88, 0.78, 1.64, 1.97};
+
+    for (int i = 0; i < 4; i++) {
+        const rigcal_camera camera = {.fx = 1,
+                                      .fy = 1,
+                                      .k1 = RC(K[i][0]),
+                                      .k2 = RC(K[i][1]),
+                                      .k3 = RC(K[i][2]),
+                                      .k4 = RC(K[i][3]),
+                                      .k5 = RC(K[i][4]),
+                                      .k6 = RC(K[i][5])};
+        const rigcal_real place[2] = {RC(RADIUS[i]), 0};
+        rigcal_real F[2], J[3], x[2];
+
+        TEST_ASSERT_TRUE(rc_lens_map(F, J, &camera, place));
+        TEST_ASSERT_TRUE(rc_lens_is_usable(&camera, place));
+        TEST_ASSERT_TRUE(rc_lens_invert(x, &camera, F, RC(1e-10)));
+        ASSERT_NEAR(RADIUS[i], x[0], 1e-9);
+        ASSERT_NEAR(0, x[1], 1e-12);
+    }
+#endif
+}
+
+/* Newton's method in a disc that is proved ends in the disc, to the edge and no farther.
+ * What lies behind the two numbers of the place is not looked at. */
+static void test_a_place_in_a_disc_is_found_if_it_is_in_it(void)
+{
+#if RIGCAL_FOR_SPEED
+    const rigcal_camera camera = {.fx = 1, .fy = 1, .k1 = RC(0.1)};
+    const double radius = hypot(0.3, -0.4), scale = 1 + 0.1 * radius * radius;
+    const rigcal_real target[2] = {RC(0.3 * scale), RC(-0.4 * scale)};
+    rigcal_real x[3] = {0, 0, TEST_NAN};
+
+    TEST_ASSERT_TRUE(rc_lens_invert_within(x, &camera, target, 1));
+    ASSERT_NEAR(0.3, x[0], TOL(1e-12, 1e-6));
+    ASSERT_NEAR(-0.4, x[1], TOL(1e-12, 1e-6));
+    TEST_ASSERT_TRUE(rc_lens_invert_within(x, &camera, target, RC(0.27)));
+    TEST_ASSERT_FALSE(rc_lens_invert_within(x, &camera, target, RC(0.249)));
+#endif
+}
+
 /* Along x the slope of the map is m at r = 1, and its next three derivatives are 0 there.
  * So the slope is nearly 0 over a long part, and a proof would take more steps than are
  * allowed. */
@@ -723,6 +773,8 @@ TEST_MAIN()
     RUN_TEST(test_a_radial_lens_has_rays_exactly_inside_its_circle);
     RUN_TEST(test_nothing_is_proved_beyond_a_pole);
     RUN_TEST(test_a_place_near_the_turn_takes_more_than_a_few_steps);
+    RUN_TEST(test_a_place_before_a_pole_is_reached_in_many_parts);
+    RUN_TEST(test_a_place_in_a_disc_is_found_if_it_is_in_it);
     RUN_TEST(test_a_proof_that_takes_too_long_is_none);
     RUN_TEST(test_a_lens_that_bends_only_sideways_is_proved_to_its_turn);
     RUN_TEST(test_a_place_whose_square_overflows_is_not_usable);

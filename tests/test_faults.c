@@ -7,7 +7,7 @@
 #include "rc_columns.h"
 #include "rc_finding.h"
 #include "rigcal_solvers.h"
-#include "test_support.h"
+#include "test_motions.h"
 #include "vectors_faults.h"
 
 /* One camera more than the vectors have: a camera that moved, at its pose afterwards. */
@@ -423,6 +423,50 @@ static void test_clocks_that_are_free_are_not_found(void)
         const rigcal_fault *const other = fault_of(&x, faults[i].kind, faults[i].camera);
 
         ASSERT_NEAR(other->gain, faults[i].gain, TOL(1e-9, 1e-3) * (1 + D(other->gain)));
+    }
+}
+
+/* Four cameras whose offsets and drifts are free, in memory of the stated size. What lies
+ * behind it is not read, and two passes are enough. */
+static void test_four_free_clocks_need_the_stated_memory(void)
+{
+    enum { ROOM = RIGCAL_FAULTS_WORK(3, 4) + RIGCAL_FAULTS_CLOCKS_WORK(4) };
+    static const motion_scene SCENE = {4, 2, 4, 30, 0.35, 0.8, 10, 0.01, 3e-4, 0, 0.3};
+    static test_motions m;
+    static rigcal_real room[ROOM + 8];
+    test_rng rng = test_seed(75);
+    rigcal_faults_options options = {.work = room, .work_capacity = ROOM};
+    rigcal_rig_fit fit;
+
+    TEST_WANTS_RAM(sizeof m + sizeof room + 20000);
+    test_motions_make(&m, &rng, &SCENE);
+    test_motions_solve(&m);
+    m.clocks.drifts = m.drifts;
+    m.clocks.free_drifts = 1;
+    m.rig.clocks = &m.clocks;
+    m.rig.work_capacity = rigcal_rig_work(3, 4, 8) + rigcal_clocks_work(3, 4);
+    for (size_t i = 0; i < MOTION_WORK; i++) {
+        m.work[i] = TEST_NAN;
+    }
+    for (size_t i = 0; i < ROOM + 8; i++) {
+        room[i] = TEST_NAN;
+    }
+    ASSERT_STATUS(RIGCAL_OK, rigcal_rig_adjust(&fit, NULL, &m.rig));
+    x.options = options;
+    x.rig = m.rig;
+    test_it(&x);
+    TEST_ASSERT_TRUE(x.found.passes <= 2);
+    TEST_ASSERT_TRUE(D(x.found.F) > 0.3 && D(x.found.F) < 3);
+    for (int i = 0; i < x.found.n; i++) {
+        const int kind = x.faults[i].kind;
+        const int is_clock = kind == RIGCAL_FAULT_CLOCK || kind == RIGCAL_FAULT_CLOCKS ||
+                             kind == RIGCAL_FAULT_DRIFT;
+
+        TEST_ASSERT_EQUAL_INT32(!is_clock, x.faults[i].is_seen);
+        TEST_ASSERT_TRUE(D(x.faults[i].gain) >= 0 && D(x.faults[i].gain) < 20);
+    }
+    for (size_t i = ROOM; i < ROOM + 8; i++) {
+        TEST_ASSERT_TRUE(isnan(D(room[i])));
     }
 }
 
@@ -1162,6 +1206,7 @@ TEST_MAIN()
     RUN_TEST(test_faults_are_those_of_adjustments_with_free_clocks_and_noisy_stamps);
     RUN_TEST(test_a_camera_that_moved_is_another_one_with_free_clocks);
     RUN_TEST(test_clocks_that_are_free_are_not_found);
+    RUN_TEST(test_four_free_clocks_need_the_stated_memory);
     RUN_TEST(test_small_images_have_the_faults_of_large_ones);
     RUN_TEST(test_without_times_no_clock_is_tested_and_that_is_told);
     RUN_TEST(test_placements_far_apart_in_time_have_no_motion);

@@ -936,6 +936,84 @@ static void test_a_fault_of_a_camera_that_is_held_is_that_of_an_adjustment(void)
     }
 }
 
+/* Two cameras that see the board from far away, in a narrow field. There a turn has nearly
+ * the effect of a centre that is off. */
+static void set_up_narrow(fixture *f, double far)
+{
+    test_rng rng = test_seed(76);
+
+    set_up(f, 3);
+    f->rig.n_cameras = 2;
+    f->rig.n_views = 2 * PLACEMENTS;
+    f->rig.clocks = NULL;
+    for (int c = 0; c < 2; c++) {
+        static const double AXIS[3] = {0.2, 1, 0.1};
+
+        f->camera[c] = test_pinhole();
+        f->camera[c].fx = f->camera[c].fy = RC(1200 * far);
+        f->cams[c] = test_turned_about(AXIS, 0.7 * c);
+        f->cams[c].t[2] = RC(far);
+    }
+    for (int p = 0; p < PLACEMENTS; p++) {
+        const double axis[3] = {test_normal(&rng), test_normal(&rng), test_normal(&rng)};
+
+        f->places[p] = test_turned_about(axis, 0.4);
+        f->places[p].t[2] = RC(0.02 * far * p);
+        for (int c = 0; c < 2; c++) {
+            const int v = 2 * p + c;
+            const rigcal_transform T = test_times(&f->cams[c], &f->places[p]);
+
+            f->views[v].camera = c;
+            f->views[v].placement = p;
+            f->views[v].view = VIEW(&f->camera[c], f->o[v], NULL, POINTS);
+            for (int i = 0; i < POINTS; i++) {
+                double X[3], X_c[3], uv[2];
+
+                test_to_double(X, f->o[v][i].X_w, 3);
+                test_move_point(X_c, &T, X);
+                test_project_px(uv, &f->camera[c], X_c);
+                f->o[v][i].uv[0] = RC(uv[0] + 0.1 * test_normal(&rng));
+                f->o[v][i].uv[1] = RC(uv[1] + 0.1 * test_normal(&rng));
+            }
+        }
+    }
+}
+
+/* Which of two cameras is held changes no fault. Float has no digits left to see one. */
+static void test_narrow_cameras_have_the_same_faults_whichever_is_held(void)
+{
+    static const uint8_t ROLES[2][2] = {{RIGCAL_CAMERA_HELD, RIGCAL_CAMERA_FREE},
+                                        {RIGCAL_CAMERA_FREE, RIGCAL_CAMERA_HELD}};
+    static const int KINDS[3] = {RIGCAL_FAULT_CENTRE, RIGCAL_FAULT_FOCAL,
+                                 RIGCAL_FAULT_ASPECT};
+
+    WANTS_A_RIG;
+    for (int far = 9; far < 1000 && !RIGCAL_USE_FLOAT; far *= 9) {
+        rigcal_fault first[3][2];
+
+        for (int held = 0; held < 2; held++) {
+            set_up_narrow(&x, far);
+            x.rig.roles = ROLES[held];
+            ASSERT_NEAR(1.8, least_sum(&x), 0.1);
+            test_it(&x);
+            for (int i = 0; i < 6; i++) {
+                const rigcal_fault *const seen = fault_of(&x, KINDS[i / 2], i % 2);
+
+                TEST_ASSERT_EQUAL_INT32(1, seen->is_seen);
+                if (held == 0) {
+                    first[i / 2][i % 2] = *seen;
+                    continue;
+                }
+                const rigcal_fault *const other = &first[i / 2][i % 2];
+
+                ASSERT_NEAR(other->gain, seen->gain, 1e-5);
+                ASSERT_NEAR(other->sigma[0], seen->sigma[0], 1e-4 * D(other->sigma[0]));
+                ASSERT_NEAR(other->value[0], seen->value[0], 1e-4 * D(other->sigma[0]));
+            }
+        }
+    }
+}
+
 static void test_clocks_need_not_be_written(void)
 {
     rigcal_fault all;
@@ -1224,6 +1302,7 @@ TEST_MAIN()
     RUN_TEST(test_of_a_target_that_stands_still_no_clock_is_told);
     RUN_TEST(test_a_board_in_the_plane_of_x_and_z_has_the_same_cameras);
     RUN_TEST(test_a_fault_of_a_camera_that_is_held_is_that_of_an_adjustment);
+    RUN_TEST(test_narrow_cameras_have_the_same_faults_whichever_is_held);
     RUN_TEST(test_clocks_need_not_be_written);
     RUN_TEST(test_placements_that_nothing_fixes_are_degenerate);
     RUN_TEST(test_a_step_whose_numbers_overflow_is_not_seen);

@@ -457,8 +457,8 @@ static void test_rows_of_a_body_that_is_open_count_for_less(void)
     TEST_ASSERT_TRUE(D(open.sd) * D(open.sd) < 3.2 * first_order);
 }
 
-/* The bend of a body is in proportion to the variance of its turn and of its shift, over the
- * square of the reach: the traces of the two blocks of its covariance. */
+/* The bend of a body is in proportion to the traces of the two blocks of its covariance.
+ * That of the shift counts over the square of the reach. */
 static void test_a_bend_is_that_of_the_variances_of_a_body(void)
 {
     test_rng rng = test_seed(31);

@@ -492,12 +492,12 @@ static rigcal_real own_gain(const rigcal_columns *s, const trial *t)
     return gain;
 }
 
-/* Writes each clock's value and its deviation. */
+/* Writes each clock's value and its deviation. That of camera 0 is never a parameter. */
 static void write_clocks(rigcal_real clocks[], const rigcal_columns *s, const trial *t,
                          rigcal_real variance)
 {
     size_t j = 0;
-    for (size_t c = 0; c < s->rig->n_cameras; c++) {
+    for (size_t c = 1; c < s->rig->n_cameras; c++) {
         if (is_freed(s, c)) {
             clocks[c] = t->theta[j];
             clocks[s->rig->n_cameras + c] = RC_SQRT(t->variance[j++] * variance);

@@ -494,25 +494,31 @@ static void test_residuals_are_observed_less_projected(void)
 }
 
 /* All points of placement 1 are one point, seen by six views or more: nothing shows how the
- * placement is turned. */
+ * placement is turned. No step is taken. */
 static void test_a_placement_that_its_views_do_not_fix_is_degenerate(void)
 {
     test_rng rng = test_seed(329);
+    rigcal_transform cams[RIG_CAMERAS_MAX], places[RIG_PLACEMENTS_MAX];
     rigcal_rig_fit fit;
     int32_t at_fault;
 
     WANTS_RIGS(1);
     test_rig_random(&r, &rng, 2, 2, 8);
     test_rig_see_all(&r, &rng, 0);
+    test_rig_start(&r, &rng, 0.01, 0.01);
     for (size_t v = 2; v < 4; v++) {
         for (int i = 1; i < 8; i++) {
             r.o[v][i] = r.o[v][0];
         }
     }
+    memcpy(cams, r.cams, sizeof cams);
+    memcpy(places, r.places, sizeof places);
     FILL(fit);
     ASSERT_STATUS(RIGCAL_ERR_DEGENERATE, rigcal_rig_adjust(&fit, &at_fault, &r.rig));
     ASSERT_UNTOUCHED(fit);
     TEST_ASSERT_EQUAL_INT32(3, at_fault);
+    TEST_ASSERT_EQUAL_MEMORY(cams, r.cams, sizeof cams);
+    TEST_ASSERT_EQUAL_MEMORY(places, r.places, sizeof places);
 }
 
 /* If all evaluations are spent, a search that could still gain ends with BUDGET_SPENT. A
@@ -545,6 +551,42 @@ static void test_the_evaluations_are_bounded(void)
     }
 }
 
+/* After a damped step that helped all evaluations are spent. The equations that follow are
+ * for the covariance, and move nothing. */
+static void test_after_the_last_evaluation_nothing_moves(void)
+{
+    test_rng rng = test_seed(331);
+    int n_spent = 0;
+
+    WANTS_RIGS(1);
+    for (int trial = 0; trial < TEST_TRIALS(40); trial++) {
+        rigcal_transform cams[RIG_CAMERAS_MAX], places[RIG_PLACEMENTS_MAX];
+        rigcal_rig_solver solver;
+        rigcal_rig_fit fit;
+
+        test_rig_random(&r, &rng, 3, 5, 8);
+        test_rig_see_all(&r, &rng, 0.3);
+        test_rig_start(&r, &rng, 0.5, 0.8);
+        ASSERT_STATUS(RIGCAL_OK, rigcal_rig_begin(&solver, &r.rig));
+        while (solver.search.status == RIGCAL_RUNNING) {
+            (void)rigcal_rig_step(&solver, 1);
+            if (solver.search.lambda > 0 && solver.search.last_gain > 0) {
+                solver.evals = 200;
+            }
+        }
+        memcpy(cams, r.cams, sizeof cams);
+        memcpy(places, r.places, sizeof places);
+        while (rigcal_rig_step(&solver, 1) == RIGCAL_RUNNING) {
+        }
+        if (rigcal_rig_result(&fit, NULL, &solver) == RIGCAL_BUDGET_SPENT) {
+            TEST_ASSERT_EQUAL_MEMORY(cams, r.cams, sizeof cams);
+            TEST_ASSERT_EQUAL_MEMORY(places, r.places, sizeof places);
+            n_spent++;
+        }
+    }
+    TEST_ASSERT_TRUE(n_spent > 0 || TEST_ONE_IN > 1);
+}
+
 TEST_MAIN()
 {
     RUN_TEST(test_all_poses_and_covariances_are_those_of_dense_least_squares);
@@ -562,4 +604,5 @@ TEST_MAIN()
     RUN_TEST(test_residuals_are_observed_less_projected);
     RUN_TEST(test_a_placement_that_its_views_do_not_fix_is_degenerate);
     RUN_TEST(test_the_evaluations_are_bounded);
+    RUN_TEST(test_after_the_last_evaluation_nothing_moves);
 }

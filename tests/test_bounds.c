@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "count_hooks.h"
+#include "rc_direction.h"
 #include "test_support.h"
 
 /* ---- counting ------------------------------------------------------------ */
@@ -106,6 +107,42 @@ static void test_the_nearest_rotation_takes_at_most_40_iterations(void)
     TEST_ASSERT_LESS_OR_EQUAL_INT(40, largest);
     TEST_ASSERT_GREATER_OR_EQUAL_INT(TOL(6, 5), largest);
     TEST_ASSERT_LESS_OR_EQUAL_INT(6, largest); /* "usually" */
+}
+
+/* ---- direction ----------------------------------------------------------- */
+
+/* Moments whose gain is p cos psi + q sin psi + cos 2 psi along the z axis, with a positive
+ * depth for every psi. best_yaw takes a square root of its own, and one a step. */
+static long yaw_steps(double p, double q)
+{
+    const rigcal_real z[3] = {0, 0, 1};
+    rigcal_moments sums = {0};
+
+    sums.weight = 1;
+    sums.S = RC(0.5);
+    sums.V_mean[0][0] = 1;
+    sums.h[2] = -1;
+    sums.G[0][2] = RC(p / 2 - 2);
+    sums.G[0][4] = RC(q / 2);
+    watch("best_yaw", HOOK_SQRT);
+    (void)rc_direction_cost(&sums, z);
+    return watched.count - 1;
+}
+
+/* Where the gain has a flat maximum, each step comes nearer by a third. */
+static void test_a_yaw_takes_at_most_6_steps(void)
+{
+    test_rng rng = test_seed(416);
+    long largest = 0, many = 0;
+
+    for (int trial = 0; trial < 20000; trial++) {
+        const long steps = yaw_steps(anything(&rng, -3, 1.5), anything(&rng, -3, 1.5));
+
+        keep_largest(&largest, steps);
+        many += steps > 3;
+    }
+    TEST_ASSERT_EQUAL_INT(6, largest);
+    TEST_ASSERT_LESS_THAN_INT(20000 / 4, many); /* "usually 2 or 3" */
 }
 
 /* ---- camera -------------------------------------------------------------- */
@@ -844,6 +881,7 @@ static void test_a_diagnosis_of_many_points_solves_65_to_67_poses(void)
 TEST_MAIN()
 {
     RUN_TEST(test_the_nearest_rotation_takes_at_most_40_iterations);
+    RUN_TEST(test_a_yaw_takes_at_most_6_steps);
     RUN_TEST(test_a_pixel_takes_at_most_127_solves_of_60_steps);
     RUN_TEST(test_a_solve_takes_its_60_steps_and_no_more);
     RUN_TEST(test_a_pixel_takes_at_most_7_proofs_of_1024_steps);

@@ -632,6 +632,29 @@ static void test_a_placement_without_views_has_no_instant(void)
     TEST_ASSERT_TRUE(D(m.instants[f - 1]) < TOL(1e30, 1e9));
 }
 
+/* The instant of a placement is the mean time of its views. The first camera's clock is
+ * right. */
+static void test_a_placement_seen_once_has_the_time_of_that_view(void)
+{
+    rigcal_rig_fit fit;
+    size_t n = 0;
+
+    WANTS_MOTIONS();
+    make(&SCENE, 95);
+    for (size_t v = 0; v < m.rig.n_views; v++) {
+        if (m.views[v].placement != 4 || m.views[v].camera == 0) {
+            m.views[n] = m.views[v];
+            m.own[n++] = m.own[v];
+        }
+    }
+    m.rig.n_views = n;
+    ASSERT_STATUS(RIGCAL_OK, adjust(&fit));
+    ASSERT_NEAR(m.times[4], m.instants[4], TOL(1e-12, 1e-5));
+    ASSERT_NEAR(m.times[3], m.instants[3], 0.02);
+    TEST_ASSERT_TRUE(fabs(D(m.instants[3]) - D(m.times[3])) > TOL(1e-9, 1e-4));
+    expect_clocks(4.5);
+}
+
 /* Views of three points fit with any noise, so the ratio of the noises of stamps and pixels
  * is unknown. */
 static void test_without_the_noise_of_pixels_stamps_have_no_weight(void)
@@ -678,14 +701,72 @@ static void test_a_search_that_promised_more_has_not_converged(void)
     }
 }
 
+/* Where the motion lags, a step may cost a hundredth of the variance of a pixel: clocks are
+ * free, or known and not those of the placements. */
+static void test_what_counts_as_rounding_is_more_where_the_motion_lags(void)
+{
+    WANTS_MOTIONS();
+    for (int way = 0; way < 3; way++) {
+        double largest = 0;
+        rigcal_rig_solver solver;
+
+        make(&SCENE, 96);
+        m.rig.clocks = &m.clocks;
+        m.clocks.free_offsets = way == 0;
+        for (int c = 0; c < 3 && way == 1; c++) {
+            m.offsets[c] = RC(m.true_offsets[c]);
+        }
+        ASSERT_STATUS(RIGCAL_OK, rigcal_rig_begin(&solver, &m.rig));
+        while (rigcal_rig_step(&solver, 1) == RIGCAL_RUNNING) {
+            largest = fmax(largest, D(solver.sum));
+        }
+        const double lags = 0.01 * largest / (2.0 * 3 * 9 * 20);
+
+        if (way < 2) {
+            ASSERT_NEAR(lags, solver.negligible, TOL(1e-9, 1e-4) * lags);
+        } else {
+            TEST_ASSERT_TRUE(D(solver.negligible) < TOL(1e-6, 0.1) * lags);
+        }
+    }
+}
+
+/* The variance of a pixel is known from the worst pass. If the last step promised to gain
+ * more, some unknown may be off by a sigma. */
+static void test_more_than_the_variance_of_a_pixel_is_much(void)
+{
+    WANTS_MOTIONS();
+    for (int is_more = 0; is_more < 2; is_more++) {
+        double largest = 0;
+        rigcal_rig_solver solver;
+        rigcal_rig_fit fit;
+
+        make(&SCENE, 94);
+        m.rig.clocks = &m.clocks;
+        ASSERT_STATUS(RIGCAL_OK, rigcal_rig_begin(&solver, &m.rig));
+        while (rigcal_rig_step(&solver, 1) == RIGCAL_RUNNING) {
+            largest = fmax(largest, D(solver.sum));
+            if (solver.search.status != RIGCAL_RUNNING) {
+                const double variance = largest / (2.0 * 3 * 9 * 20);
+
+                solver.promised = RC(is_more ? 1.05 * variance : 0.95 * variance);
+            }
+        }
+        ASSERT_STATUS(is_more ? RIGCAL_BUDGET_SPENT : RIGCAL_OK,
+                      rigcal_rig_result(&fit, NULL, &solver));
+    }
+}
+
 static void test_what_is_handed_in_is_checked(void)
 {
+    rigcal_rig_solver solver;
     rigcal_rig_fit fit;
 
     WANTS_MOTIONS();
     make(&SCENE, 122);
     m.clocks.sigma_time = RC(-0.01);
     ASSERT_STATUS(RIGCAL_ERR_RANGE, adjust(&fit));
+    ASSERT_STATUS(RIGCAL_ERR_RANGE, rigcal_rig_begin(&solver, &m.rig));
+    ASSERT_STATUS(RIGCAL_ERR_STATE, rigcal_rig_step(&solver, 1));
     m.clocks.sigma_time = TEST_INF;
     ASSERT_STATUS(RIGCAL_ERR_NOT_FINITE, adjust(&fit));
     m.clocks.sigma_time = RC(0.01);
@@ -752,8 +833,11 @@ TEST_MAIN()
     RUN_TEST(test_wrong_points_are_left_out_with_clocks_too);
     RUN_TEST(test_the_bits_are_those_of_any_budget);
     RUN_TEST(test_a_placement_without_views_has_no_instant);
+    RUN_TEST(test_a_placement_seen_once_has_the_time_of_that_view);
     RUN_TEST(test_without_the_noise_of_pixels_stamps_have_no_weight);
     RUN_TEST(test_a_search_that_promised_more_has_not_converged);
+    RUN_TEST(test_what_counts_as_rounding_is_more_where_the_motion_lags);
+    RUN_TEST(test_more_than_the_variance_of_a_pixel_is_much);
     RUN_TEST(test_what_is_handed_in_is_checked);
     RUN_TEST(test_the_memory_is_as_the_manual_says);
 }

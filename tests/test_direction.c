@@ -428,6 +428,25 @@ static void test_an_image_less_than_rounding_is_refused(void)
     }
 }
 
+/* The least extent is 8 roundings of a ray along the axis, in each of two points: all sums
+ * of squares are powers of 2. */
+static void test_an_image_with_the_least_extent_is_refused(void)
+{
+    for (int is_seen = 0; is_seen < 2; is_seen++) {
+        const double size = (8 + is_seen) * D(RC_EPS);
+        rigcal_moments sums;
+
+        rc_moments_begin(&sums);
+        for (int i = 0; i < 4; i++) {
+            const rigcal_real x[3] = {RC(i % 2), RC(i / 2), 0};
+            const rigcal_real u[2] = {RC(i % 2 ? size : -size), 0};
+
+            rc_moments_add(&sums, 1, x, u);
+        }
+        TEST_ASSERT_EQUAL_INT(is_seen, rc_moments_finish(&sums));
+    }
+}
+
 /* Points on a line whose images do not follow any of their coordinates: no yaw can be
  * found, in front of the camera or behind it. */
 static void test_an_image_that_no_yaw_explains_costs_the_most(void)
@@ -444,8 +463,14 @@ static void test_an_image_that_no_yaw_explains_costs_the_most(void)
     TEST_ASSERT_TRUE(rc_moments_finish(&sums));
     for (int sign = -1; sign < 2; sign += 2) {
         const rigcal_real m3[3] = {RC(sign), 0, 0};
+        rigcal_transform pose;
+        double R[9];
 
         TEST_ASSERT_TRUE(rc_direction_cost(&sums, m3) >= RC_MAX);
+        rc_direction_pose(&pose, &sums, m3); /* of any yaw */
+        test_to_double(R, pose.R, 9);
+        ASSERT_ROTATION(R, TOL(1e-14, 1e-6));
+        ASSERT_NEAR(sign, R[6], 0);
     }
 }
 
@@ -490,6 +515,7 @@ TEST_MAIN()
     RUN_TEST(test_a_weight_of_three_is_a_point_seen_thrice);
     RUN_TEST(test_an_image_without_extent_is_refused);
     RUN_TEST(test_an_image_less_than_rounding_is_refused);
+    RUN_TEST(test_an_image_with_the_least_extent_is_refused);
     RUN_TEST(test_an_image_that_no_yaw_explains_costs_the_most);
     RUN_TEST(test_the_sums_of_mirrored_points_are_those_of_points_given_mirrored);
 }

@@ -7,7 +7,7 @@
 #include "rc_columns.h"
 #include "rc_finding.h"
 #include "rigcal_solvers.h"
-#include "test_support.h"
+#include "test_motions.h"
 #include "vectors_faults.h"
 
 /* One camera more than the vectors have: a camera that moved, at its pose afterwards. */
@@ -83,6 +83,12 @@ static void set_up(fixture *f, int scene)
     int32_t at_fault;
 
     memset(f, 0, sizeof *f);
+    for (size_t i = 0; i < sizeof f->work / sizeof *f->work; i++) {
+        f->work[i] = TEST_NAN; /* what is not written is not read */
+    }
+    for (size_t i = 0; i < sizeof f->room / sizeof *f->room; i++) {
+        f->room[i] = TEST_NAN;
+    }
     for (int c = 0; c < CAMERAS; c++, pose += 12) {
         set_camera(&f->camera[c], c);
         f->cams[c] = test_transform(pose, pose + 9);
@@ -139,6 +145,12 @@ static const rigcal_fault *fault_of(const fixture *f, double kind, double camera
 
 /* ---- against dense least squares ------------------------------------------------ */
 
+/* The six parameters of a camera that moved are correlated, so float loses digits. */
+static double loss_of(const rigcal_fault *seen)
+{
+    return (seen->kind == RIGCAL_FAULT_MOVED) ? TOL(1, 100) : 1;
+}
+
 /* The adjustment of a float build ends where its own rounding stops it. The truth is then
  * 1e-6 sigma from the optimum. */
 static void assert_fault(const double row[], const rigcal_fault *seen)
@@ -146,9 +158,7 @@ static void assert_fault(const double row[], const rigcal_fault *seen)
     const double *const theta = &row[4], *const sigma = &row[10];
     const double part = TOL(1e-6, 5e-3), of_sigma = TOL(1e-6, 5e-3), gain = row[16];
     const double noise2 = D(x.found.sigma_px) * D(x.found.sigma_px);
-    const int is_moved = seen->kind == RIGCAL_FAULT_MOVED;
-    /* The six parameters of one camera are correlated, so float loses digits. */
-    const double loss = is_moved ? TOL(1, 100) : 1;
+    const double loss = loss_of(seen);
 
     TEST_ASSERT_EQUAL_INT32(1, seen->is_seen);
     for (int i = 0; i < seen->n; i++) {
@@ -224,10 +234,14 @@ static void test_the_clocks_are_told_one_by_one(void)
 {
     WANTS_A_RIG;
     set_up(&x, 2);
+    for (int c = 0; c < 2 * CAMERAS; c++) {
+        x.clocks[c] = TEST_NAN;
+    }
     test_it(&x);
     const rigcal_fault *const all = fault_of(&x, RIGCAL_FAULT_CLOCKS, -1);
 
     ASSERT_NEAR(0, x.clocks[0], 0);
+    ASSERT_NEAR(0, x.clocks[CAMERAS], 0);
     for (int c = 1; c < CAMERAS; c++) {
         ASSERT_NEAR(all->value[c - 1], x.clocks[c], 0);
         ASSERT_NEAR(all->sigma[c - 1], x.clocks[CAMERAS + c], 1e-6 * D(all->sigma[c - 1]));
@@ -409,6 +423,111 @@ static void test_clocks_that_are_free_are_not_found(void)
         const rigcal_fault *const other = fault_of(&x, faults[i].kind, faults[i].camera);
 
         ASSERT_NEAR(other->gain, faults[i].gain, TOL(1e-9, 1e-3) * (1 + D(other->gain)));
+    }
+}
+
+/* Four cameras whose offsets and drifts are free, in memory of the stated size. What lies
+ * behind it is not read, and two passes are enough. */
+static void test_four_free_clocks_need_the_stated_memory(void)
+{
+    enum { ROOM = RIGCAL_FAULTS_WORK(3, 4) + RIGCAL_FAULTS_CLOCKS_WORK(4) };
+    static const motion_scene SCENE = {4, 2, 4, 30, 0.35, 0.8, 10, 0.01, 3e-4, 0, 0.3};
+    static test_motions m;
+    static rigcal_real room[ROOM + 8];
+    test_rng rng = test_seed(75);
+    rigcal_faults_options options = {.work = room, .work_capacity = ROOM};
+    rigcal_rig_fit fit;
+
+    TEST_WANTS_RAM(sizeof m + sizeof room + 20000);
+    test_motions_make(&m, &rng, &SCENE);
+    test_motions_solve(&m);
+    m.clocks.drifts = m.drifts;
+    m.clocks.free_drifts = 1;
+    m.rig.clocks = &m.clocks;
+    m.rig.work_capacity = rigcal_rig_work(3, 4, 8) + rigcal_clocks_work(3, 4);
+    for (size_t i = 0; i < MOTION_WORK; i++) {
+        m.work[i] = TEST_NAN;
+    }
+    for (size_t i = 0; i < ROOM + 8; i++) {
+        room[i] = TEST_NAN;
+    }
+    ASSERT_STATUS(RIGCAL_OK, rigcal_rig_adjust(&fit, NULL, &m.rig));
+    x.options = options;
+    x.rig = m.rig;
+    test_it(&x);
+    TEST_ASSERT_TRUE(x.found.passes <= 2);
+    TEST_ASSERT_TRUE(D(x.found.F) > 0.3 && D(x.found.F) < 3);
+    for (int i = 0; i < x.found.n; i++) {
+        const int kind = x.faults[i].kind;
+        const int is_clock = kind == RIGCAL_FAULT_CLOCK || kind == RIGCAL_FAULT_CLOCKS ||
+                             kind == RIGCAL_FAULT_DRIFT;
+
+        TEST_ASSERT_EQUAL_INT32(!is_clock, x.faults[i].is_seen);
+        TEST_ASSERT_TRUE(D(x.faults[i].gain) >= 0 && D(x.faults[i].gain) < 20);
+    }
+    for (size_t i = ROOM; i < ROOM + 8; i++) {
+        TEST_ASSERT_TRUE(isnan(D(room[i])));
+    }
+}
+
+/* ---- the unit of the pixels ------------------------------------------------------- */
+
+/* Makes each image 64 times smaller, about its corner: -0.5, -0.5. */
+static rigcal_real smaller(rigcal_real uv)
+{
+    return (uv + RC(0.5)) / 64 - RC(0.5);
+}
+
+static void shrink(fixture *f)
+{
+    for (int c = 0; c < CAMERAS; c++) {
+        rigcal_camera *const camera = &f->camera[c];
+
+        camera->width /= 64;
+        camera->height /= 64;
+        camera->fx /= 64;
+        camera->fy /= 64;
+        camera->cx = smaller(camera->cx);
+        camera->cy = smaller(camera->cy);
+    }
+    for (int v = 0; v < VIEWS; v++) {
+        for (int i = 0; i < POINTS; i++) {
+            f->o[v][i].uv[0] = smaller(f->o[v][i].uv[0]);
+            f->o[v][i].uv[1] = smaller(f->o[v][i].uv[1]);
+        }
+    }
+}
+
+/* The noise of small images is small too, down to a sum of squares below 1. */
+static void test_small_images_have_the_faults_of_large_ones(void)
+{
+    static rigcal_fault faults[FAULTS];
+
+    WANTS_A_RIG;
+    for (int scene = 0; scene < FAULTS_WHOLE_ROWS; scene++) {
+        set_up(&x, scene);
+        test_it(&x);
+        const rigcal_faults found = x.found;
+        memcpy(faults, x.faults, sizeof faults);
+        shrink(&x);
+        TEST_ASSERT_TRUE(least_sum(&x) < 1);
+        test_it(&x);
+        TEST_ASSERT_EQUAL_INT32(found.bits, x.found.bits);
+        TEST_ASSERT_EQUAL_INT32(found.n, x.found.n);
+        ASSERT_NEAR(D(found.sigma_px) / 64, x.found.sigma_px,
+                    TOL(1e-8, 1e-3) * D(found.sigma_px));
+        ASSERT_NEAR(D(found.own_px) / 64, x.found.own_px,
+                    TOL(1e-8, 1e-3) * D(found.own_px));
+        ASSERT_NEAR(found.F, x.found.F, TOL(1e-6, 1e-2) * D(found.F));
+        for (int i = 0; i < found.n; i++) {
+            const rigcal_fault *const seen = fault_of(&x, faults[i].kind, faults[i].camera);
+            const double loss = loss_of(seen);
+
+            TEST_ASSERT_EQUAL_INT32(faults[i].is_seen, seen->is_seen);
+            ASSERT_NEAR(faults[i].p, seen->p, loss * TOL(1e-5, 0.05));
+            ASSERT_NEAR(faults[i].F_after, seen->F_after,
+                        loss * TOL(1e-5, 0.05) * D(found.F));
+        }
     }
 }
 
@@ -817,6 +936,84 @@ static void test_a_fault_of_a_camera_that_is_held_is_that_of_an_adjustment(void)
     }
 }
 
+/* Two cameras that see the board from far away, in a narrow field. There a turn has nearly
+ * the effect of a centre that is off. */
+static void set_up_narrow(fixture *f, double far)
+{
+    test_rng rng = test_seed(76);
+
+    set_up(f, 3);
+    f->rig.n_cameras = 2;
+    f->rig.n_views = 2 * PLACEMENTS;
+    f->rig.clocks = NULL;
+    for (int c = 0; c < 2; c++) {
+        static const double AXIS[3] = {0.2, 1, 0.1};
+
+        f->camera[c] = test_pinhole();
+        f->camera[c].fx = f->camera[c].fy = RC(1200 * far);
+        f->cams[c] = test_turned_about(AXIS, 0.7 * c);
+        f->cams[c].t[2] = RC(far);
+    }
+    for (int p = 0; p < PLACEMENTS; p++) {
+        const double axis[3] = {test_normal(&rng), test_normal(&rng), test_normal(&rng)};
+
+        f->places[p] = test_turned_about(axis, 0.4);
+        f->places[p].t[2] = RC(0.02 * far * p);
+        for (int c = 0; c < 2; c++) {
+            const int v = 2 * p + c;
+            const rigcal_transform T = test_times(&f->cams[c], &f->places[p]);
+
+            f->views[v].camera = c;
+            f->views[v].placement = p;
+            f->views[v].view = VIEW(&f->camera[c], f->o[v], NULL, POINTS);
+            for (int i = 0; i < POINTS; i++) {
+                double X[3], X_c[3], uv[2];
+
+                test_to_double(X, f->o[v][i].X_w, 3);
+                test_move_point(X_c, &T, X);
+                test_project_px(uv, &f->camera[c], X_c);
+                f->o[v][i].uv[0] = RC(uv[0] + 0.1 * test_normal(&rng));
+                f->o[v][i].uv[1] = RC(uv[1] + 0.1 * test_normal(&rng));
+            }
+        }
+    }
+}
+
+/* Which of two cameras is held changes no fault. Float has no digits left to see one. */
+static void test_narrow_cameras_have_the_same_faults_whichever_is_held(void)
+{
+    static const uint8_t ROLES[2][2] = {{RIGCAL_CAMERA_HELD, RIGCAL_CAMERA_FREE},
+                                        {RIGCAL_CAMERA_FREE, RIGCAL_CAMERA_HELD}};
+    static const int KINDS[3] = {RIGCAL_FAULT_CENTRE, RIGCAL_FAULT_FOCAL,
+                                 RIGCAL_FAULT_ASPECT};
+
+    WANTS_A_RIG;
+    for (int far = 9; far < 1000 && !RIGCAL_USE_FLOAT; far *= 9) {
+        rigcal_fault first[3][2];
+
+        for (int held = 0; held < 2; held++) {
+            set_up_narrow(&x, far);
+            x.rig.roles = ROLES[held];
+            ASSERT_NEAR(1.8, least_sum(&x), 0.1);
+            test_it(&x);
+            for (int i = 0; i < 6; i++) {
+                const rigcal_fault *const seen = fault_of(&x, KINDS[i / 2], i % 2);
+
+                TEST_ASSERT_EQUAL_INT32(1, seen->is_seen);
+                if (held == 0) {
+                    first[i / 2][i % 2] = *seen;
+                    continue;
+                }
+                const rigcal_fault *const other = &first[i / 2][i % 2];
+
+                ASSERT_NEAR(other->gain, seen->gain, 1e-5);
+                ASSERT_NEAR(other->sigma[0], seen->sigma[0], 1e-4 * D(other->sigma[0]));
+                ASSERT_NEAR(other->value[0], seen->value[0], 1e-4 * D(other->sigma[0]));
+            }
+        }
+    }
+}
+
 static void test_clocks_need_not_be_written(void)
 {
     rigcal_fault all;
@@ -1087,6 +1284,8 @@ TEST_MAIN()
     RUN_TEST(test_faults_are_those_of_adjustments_with_free_clocks_and_noisy_stamps);
     RUN_TEST(test_a_camera_that_moved_is_another_one_with_free_clocks);
     RUN_TEST(test_clocks_that_are_free_are_not_found);
+    RUN_TEST(test_four_free_clocks_need_the_stated_memory);
+    RUN_TEST(test_small_images_have_the_faults_of_large_ones);
     RUN_TEST(test_without_times_no_clock_is_tested_and_that_is_told);
     RUN_TEST(test_placements_far_apart_in_time_have_no_motion);
     RUN_TEST(test_a_camera_without_views_has_no_faults);
@@ -1103,6 +1302,7 @@ TEST_MAIN()
     RUN_TEST(test_of_a_target_that_stands_still_no_clock_is_told);
     RUN_TEST(test_a_board_in_the_plane_of_x_and_z_has_the_same_cameras);
     RUN_TEST(test_a_fault_of_a_camera_that_is_held_is_that_of_an_adjustment);
+    RUN_TEST(test_narrow_cameras_have_the_same_faults_whichever_is_held);
     RUN_TEST(test_clocks_need_not_be_written);
     RUN_TEST(test_placements_that_nothing_fixes_are_degenerate);
     RUN_TEST(test_a_step_whose_numbers_overflow_is_not_seen);

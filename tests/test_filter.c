@@ -457,6 +457,30 @@ static void test_rows_of_a_body_that_is_open_count_for_less(void)
     TEST_ASSERT_TRUE(D(open.sd) * D(open.sd) < 3.2 * first_order);
 }
 
+/* The bend of a body is in proportion to the traces of the two blocks of its covariance.
+ * That of the shift counts over the square of the reach. */
+static void test_a_bend_is_that_of_the_variances_of_a_body(void)
+{
+    test_rng rng = test_seed(31);
+    double unit = 0;
+
+    for (int trial = 0; trial < TEST_TRIALS(60); trial++) {
+        const size_t first = (size_t)(6 * (trial % (BODIES - 1)));
+        const double reach = pow(10, test_uniform(&rng, -1, 1));
+        double spread = 0;
+
+        begin(&rng, 0);
+        for (size_t i = 0; i < 6; i++) {
+            spread += s.P[first + i][first + i] / ((i < 3) ? 1 : reach * reach);
+        }
+        const double bend = D(rc_filter_bend(s.UD, N, first, RC(reach)));
+
+        unit = (trial == 0) ? bend / spread : unit;
+        TEST_ASSERT_TRUE(unit > 0);
+        ASSERT_NEAR(unit * spread, bend, TOL(1e-9, 1e-4) * bend);
+    }
+}
+
 TEST_MAIN()
 {
     RUN_TEST(test_factors_multiply_to_the_covariance);
@@ -469,4 +493,5 @@ TEST_MAIN()
     RUN_TEST(test_unknowns_that_are_known_exactly_learn_nothing);
     RUN_TEST(test_a_row_that_overflows_leaves_no_trace);
     RUN_TEST(test_rows_of_a_body_that_is_open_count_for_less);
+    RUN_TEST(test_a_bend_is_that_of_the_variances_of_a_body);
 }

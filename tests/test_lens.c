@@ -662,6 +662,149 @@ static void test_a_place_near_the_turn_takes_more_than_a_few_steps(void)
 #endif
 }
 
+/* The slope is a thousand and more just before a pole. There the way to a pixel is followed
+ * in 32 parts or 64. */
+static void test_a_place_before_a_pole_is_reached_in_many_parts(void)
+{
+#if !RIGCAL_USE_FLOAT
+    static const double K[4][6] = {{2.25, -0.3, 2, -0.25, -3.16, 2.46},
+                                   {1.41, 0.67, 1.28, -2.16, -0.09, 1.7},
+                                   {-0.08, 0.14, 0.06, -0.11, -0.28, 0.07},
+                                   {0.2, 0.21, 0.06, -0.16, -0.1, 0.02}};
+    static const double RADIUS[4] = {0.88, 0.78, 1.64, 1.97};
+
+    for (int i = 0; i < 4; i++) {
+        const rigcal_camera camera = {.fx = 1,
+                                      .fy = 1,
+                                      .k1 = RC(K[i][0]),
+                                      .k2 = RC(K[i][1]),
+                                      .k3 = RC(K[i][2]),
+                                      .k4 = RC(K[i][3]),
+                                      .k5 = RC(K[i][4]),
+                                      .k6 = RC(K[i][5])};
+        const rigcal_real place[2] = {RC(RADIUS[i]), 0};
+        rigcal_real F[2], J[3], x[2];
+
+        TEST_ASSERT_TRUE(rc_lens_map(F, J, &camera, place));
+        TEST_ASSERT_TRUE(rc_lens_is_usable(&camera, place));
+        TEST_ASSERT_TRUE(rc_lens_invert(x, &camera, F, RC(1e-10)));
+        ASSERT_NEAR(RADIUS[i], x[0], 1e-9);
+        ASSERT_NEAR(0, x[1], 1e-12);
+    }
+#endif
+}
+
+/* Newton's method in a disc that is proved ends in the disc, to the edge and no farther.
+ * What lies behind the two numbers of the place is not looked at. */
+static void test_a_place_in_a_disc_is_found_if_it_is_in_it(void)
+{
+#if RIGCAL_FOR_SPEED
+    const rigcal_camera camera = {.fx = 1, .fy = 1, .k1 = RC(0.1)};
+    const double radius = hypot(0.3, -0.4), scale = 1 + 0.1 * radius * radius;
+    const rigcal_real target[2] = {RC(0.3 * scale), RC(-0.4 * scale)};
+    rigcal_real x[3] = {0, 0, TEST_NAN};
+
+    TEST_ASSERT_TRUE(rc_lens_invert_within(x, &camera, target, 1));
+    ASSERT_NEAR(0.3, x[0], TOL(1e-12, 1e-6));
+    ASSERT_NEAR(-0.4, x[1], TOL(1e-12, 1e-6));
+    TEST_ASSERT_TRUE(rc_lens_invert_within(x, &camera, target, RC(0.27)));
+    TEST_ASSERT_FALSE(rc_lens_invert_within(x, &camera, target, RC(0.249)));
+#endif
+}
+
+/* F of a lens of second degree with tangential distortion. */
+static void seen_at(double F[2], const double k[2], const double p[2], const double x[2])
+{
+    const double s = x[0] * x[0] + x[1] * x[1], radial = 1 + k[0] * s + k[1] * s * s;
+
+    F[0] = x[0] * radial + 2 * p[0] * x[0] * x[1] + p[1] * (s + 2 * x[0] * x[0]);
+    F[1] = x[1] * radial + p[0] * (s + 2 * x[1] * x[1]) + 2 * p[1] * x[0] * x[1];
+}
+
+/* Whether F has a slope in all directions at x, by differences. */
+static int has_slope(const double k[2], const double p[2], const double x[2])
+{
+    const double h = 1e-5;
+    double J[3][2];
+
+    for (int i = 0; i < 2; i++) {
+        double low[2] = {x[0], x[1]}, high[2] = {x[0], x[1]}, F[2][2];
+
+        low[i] -= h;
+        high[i] += h;
+        seen_at(F[0], k, p, low);
+        seen_at(F[1], k, p, high);
+        J[i][0] = (F[1][0] - F[0][0]) / (2 * h);
+        J[i][1] = (F[1][1] - F[0][1]) / (2 * h);
+    }
+    return J[0][0] > 0 && J[1][1] > 0 && J[0][0] * J[1][1] > J[0][1] * J[0][1];
+}
+
+/* The radius within which all places lie that are seen within `reach`. p moves a place
+ * towards the axis by up to 3 |p| r^2, on one side of it. */
+static double radius_seen(const double k[2], const double p[2], double reach)
+{
+    double low = 0, high = 2 * reach;
+
+    for (int i = 0; i < 60; i++) {
+        const double r = (low + high) / 2, s = r * r;
+        const double seen = r * (1 + k[0] * s + k[1] * s * s) - 3 * hypot(p[0], p[1]) * s;
+
+        low = seen < reach ? r : low;
+        high = seen < reach ? high : r;
+    }
+    return low;
+}
+
+/* Every place of a proved disc has a slope. If the lens bends little, the disc holds all
+ * places that are seen within its reach, and is a tenth wider. */
+static void test_a_proved_disc_holds_what_is_seen_within_its_reach(void)
+{
+#if RIGCAL_FOR_SPEED
+    test_rng rng = test_seed(415);
+    double from = 2, to = 0;
+    int n_less = 0;
+
+    for (int trial = 0; trial < TEST_TRIALS(4000); trial++) {
+        const int is_strong = trial % 2;
+        const double most = is_strong ? 0.5 : 0.1, reach = test_uniform(&rng, 0.05, 0.3);
+        const double wide = is_strong ? 8 * reach : reach;
+        const double k[2] = {test_uniform(&rng, -most, most),
+                             test_uniform(&rng, -most, most)};
+        const double p[2] = {test_uniform(&rng, -most, most),
+                             test_uniform(&rng, -most, most)};
+        const rigcal_camera camera = {.fx = 1,
+                                      .fy = 1,
+                                      .k1 = RC(k[0]),
+                                      .k2 = RC(k[1]),
+                                      .p1 = RC(p[0]),
+                                      .p2 = RC(p[1])};
+        const double proved2 = D(rc_lens_proved(&camera, RC(wide)));
+
+        for (int i = 0; i < 12; i++) {
+            const double way = TEST_PI / 6 * i, r = sqrt(proved2);
+            double x[2] = {r * cos(way), r * sin(way)}, F[2];
+
+            if (is_strong) {
+                TEST_ASSERT_TRUE(has_slope(k, p, x) || RIGCAL_USE_FLOAT);
+            } else {
+                seen_at(F, k, p, x);
+                TEST_ASSERT_TRUE(hypot(F[0], F[1]) >= reach);
+            }
+        }
+        n_less += is_strong && proved2 < wide * wide;
+        if (!is_strong) {
+            const double more = sqrt(proved2) / radius_seen(k, p, reach);
+
+            from = fmin(from, more);
+            to = fmax(to, more);
+        }
+    }
+    TEST_ASSERT_TRUE(from > 1.099 && to < 1.1 + TOL(1e-9, 1e-5));
+    TEST_ASSERT_TRUE(n_less > TEST_TRIALS(100));
+#endif
+}
+
 /* Along x the slope of the map is m at r = 1, and its next three derivatives are 0 there.
  * So the slope is nearly 0 over a long part, and a proof would take more steps than are
  * allowed. */
@@ -723,6 +866,9 @@ TEST_MAIN()
     RUN_TEST(test_a_radial_lens_has_rays_exactly_inside_its_circle);
     RUN_TEST(test_nothing_is_proved_beyond_a_pole);
     RUN_TEST(test_a_place_near_the_turn_takes_more_than_a_few_steps);
+    RUN_TEST(test_a_place_before_a_pole_is_reached_in_many_parts);
+    RUN_TEST(test_a_place_in_a_disc_is_found_if_it_is_in_it);
+    RUN_TEST(test_a_proved_disc_holds_what_is_seen_within_its_reach);
     RUN_TEST(test_a_proof_that_takes_too_long_is_none);
     RUN_TEST(test_a_lens_that_bends_only_sideways_is_proved_to_its_turn);
     RUN_TEST(test_a_place_whose_square_overflows_is_not_usable);

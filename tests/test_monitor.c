@@ -385,6 +385,35 @@ static void test_poses_after_many_rows_are_those_of_double_arithmetic(void)
     }
 }
 
+/* ---- matches that are doubted ---- */
+
+/* Of the rows of a monitor that knows its cameras, those of wrong matches are doubted. A
+ * wrong one is off by up to 40 px, some by too little to be noticed. */
+static void test_wrong_matches_are_counted(void)
+{
+    const watched_matches right = {200, 0.3, 0, 0}, wrong = {100, 0.3, 1, 0};
+    rigcal_monitor_report before, after;
+    rigcal_monitor_options o;
+    test_rng rng = test_seed(8);
+
+    WANTS_RIG();
+    quiet(&o);
+    o.wrong = (rigcal_real)WRONG;
+    test_watched_make(&w, &rng, 2, 1, 0.02 * DEGREE, 2e-4);
+    test_watched_begin(&w, 0, &o);
+    test_watched_match(&w, &rng, &right);
+    ASSERT_STATUS(RIGCAL_OK, rigcal_monitor_frame(NULL, w.monitor, 1));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_monitor_ask(&before, w.monitor));
+    TEST_ASSERT_EQUAL_UINT32(200, before.rows);
+    TEST_ASSERT_LESS_THAN_UINT32(20, before.doubted);
+    test_watched_match(&w, &rng, &wrong);
+    ASSERT_STATUS(RIGCAL_OK, rigcal_monitor_frame(NULL, w.monitor, 1));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_monitor_ask(&after, w.monitor));
+    TEST_ASSERT_EQUAL_UINT32(300, after.rows);
+    TEST_ASSERT_GREATER_THAN_UINT32(60, after.doubted - before.doubted);
+    TEST_ASSERT_LESS_OR_EQUAL_UINT32(120, after.doubted);
+}
+
 /* ---- what is refused
  * ---------------------------------------------------------------------- */
 
@@ -428,5 +457,6 @@ TEST_MAIN()
     RUN_TEST(test_rigs_that_cannot_be_watched_are_refused);
     RUN_TEST(test_matches_of_a_still_pair_do_not_learn_the_length_of_its_base);
     RUN_TEST(test_poses_after_many_rows_are_those_of_double_arithmetic);
+    RUN_TEST(test_wrong_matches_are_counted);
     RUN_TEST(test_a_failed_match_changes_nothing);
 }

@@ -166,6 +166,19 @@ static void test_a_rotation_is_near_within_the_angle_and_no_farther(void)
     }
 }
 
+/* Half a turn about an axis differs by 2 in just two elements: the sum of squares is 8, as
+ * that of the angle 2, without rounding. */
+static void test_a_rotation_at_the_angle_itself_is_not_near(void)
+{
+    static const double HALF_TURN[9] = {-1, 0, 0, 0, -1, 0, 0, 0, 1};
+    rigcal_optima optima = {0};
+    rigcal_real R[9];
+    (void)insert(&optima, 0, 1);
+    test_to_real(R, HALF_TURN, 9);
+    TEST_ASSERT_EQUAL_INT32(-1, rc_optima_near(&optima, R, 2));
+    TEST_ASSERT_EQUAL_INT32(0, rc_optima_near(&optima, R, RC(2.0001)));
+}
+
 /* Of several that are near it is the first. The translation does not count. */
 static void test_the_first_of_those_near_is_told(void)
 {
@@ -191,5 +204,6 @@ TEST_MAIN()
     RUN_TEST(test_a_better_one_takes_the_place_of_the_same_and_moves_up);
     RUN_TEST(test_a_better_one_stays_where_its_sum_belongs);
     RUN_TEST(test_a_rotation_is_near_within_the_angle_and_no_farther);
+    RUN_TEST(test_a_rotation_at_the_angle_itself_is_not_near);
     RUN_TEST(test_the_first_of_those_near_is_told);
 }

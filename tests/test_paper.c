@@ -444,6 +444,48 @@ static void test_points_in_a_plane_need_no_guess(void)
     TEST_ASSERT_TRUE(found_without_guess(100, 6, TEST_PLANAR, 2, 15) >= 91);
 }
 
+/* The 72 nodes are 30 degrees apart and 15 degrees off the axes: half a turn of the first
+ * angle, a turn of the second. */
+static void test_the_first_search_starts_from_the_best_node_of_the_grid(void)
+{
+    test_rng rng = test_seed(16);
+
+    for (int trial = 0; trial < TEST_TRIALS(30); trial++) {
+        const int eliminate = trial % 3;
+        const int first = eliminate == RIGCAL_YAW;
+        const int second = eliminate == RIGCAL_ROLL ? 1 : 2;
+        const rigcal_paper_options o = options_of(2, eliminate, 0);
+        double least = 1e300, next = 1e300, best[2] = {0, 0};
+        rigcal_paper_solver solver;
+        test_scene scene;
+
+        test_scene_random(&scene, &rng, 6, TEST_GENERAL);
+        see(&scene);
+        for (int node = 0; node < 72; node++) {
+            const double a = (30 * (node / 12) - 75) * TEST_PI / 180;
+            const double b = (30 * (node % 12) - 165) * TEST_PI / 180;
+            double ypr[3] = {0, 0, 0}, cost;
+
+            ypr[first] = a;
+            ypr[second] = b;
+            cost = objective_at(&o, eliminate, ypr).residual;
+            next = fmin(next, fmax(cost, least));
+            if (cost < least) {
+                least = cost;
+                best[0] = a;
+                best[1] = b;
+            }
+        }
+        ASSERT_STATUS(RIGCAL_OK,
+                      rigcal_paper_begin(&solver, bearings, 6, pairs, n_pairs, &o));
+        ASSERT_STATUS(RIGCAL_RUNNING, rigcal_paper_step(&solver, 72));
+        if (next > least * TOL(1 + 1e-9, 1.01)) {
+            ASSERT_NEAR(best[0], solver.nm.trial.x[0], TOL(1e-14, 1e-6));
+            ASSERT_NEAR(best[1], solver.nm.trial.x[1], TOL(1e-14, 2e-6));
+        }
+    }
+}
+
 /* ---- what is reported ---------------------------------------------------- */
 
 static void test_residual_and_condition_are_those_of_the_answer(void)
@@ -1186,6 +1228,7 @@ TEST_MAIN()
     RUN_TEST(test_three_points_are_found_from_a_guess_two_degrees_off);
     RUN_TEST(test_general_points_need_no_guess);
     RUN_TEST(test_points_in_a_plane_need_no_guess);
+    RUN_TEST(test_the_first_search_starts_from_the_best_node_of_the_grid);
     RUN_TEST(test_residual_and_condition_are_those_of_the_answer);
     RUN_TEST(test_the_answer_is_a_minimum_of_the_objective);
     RUN_TEST(test_the_best_conditioned_angle_is_the_one_eliminated);

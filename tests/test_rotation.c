@@ -300,6 +300,21 @@ static void test_nearly_half_turns_make_the_same_matrix_again(void)
     }
 }
 
+/* The square of these angles is 0 in this precision. */
+static void test_a_turn_too_small_to_be_squared_is_not_lost(void)
+{
+    const double tiny = TOL(1e-200, 1e-30);
+    const rigcal_real R[9] = {1, RC(-3 * tiny), RC(2 * tiny),  RC(3 * tiny),
+                              1, RC(-tiny),     RC(-2 * tiny), RC(tiny),
+                              1};
+    rigcal_real w[3];
+
+    ASSERT_STATUS(RIGCAL_OK, rigcal_vector_from_rotation(w, R));
+    for (int k = 0; k < 3; k++) {
+        ASSERT_NEAR(k + 1, D(w[k]) / tiny, TOL(1e-12, 1e-5));
+    }
+}
+
 static void test_a_rotation_vector_beyond_the_limit_is_refused(void)
 {
     const double most = TOL(1e6, 1e3);
@@ -668,6 +683,7 @@ TEST_MAIN()
     RUN_TEST(test_no_rotation_vector_is_the_identity_and_back);
     RUN_TEST(test_half_turns_about_any_axis_give_their_axis);
     RUN_TEST(test_nearly_half_turns_make_the_same_matrix_again);
+    RUN_TEST(test_a_turn_too_small_to_be_squared_is_not_lost);
     RUN_TEST(test_a_rotation_vector_beyond_the_limit_is_refused);
     RUN_TEST(test_quaternions_of_quarter_and_half_turns_are_known);
     RUN_TEST(test_quaternions_and_their_opposites_agree_with_scipy);

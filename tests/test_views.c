@@ -1,6 +1,7 @@
 /* views: the input of a rig, its checks, its groups, and views from a source. */
 #include <string.h>
 
+#include "rc_views.h"
 #include "rigcal_solvers.h"
 #include "test_rigs.h"
 
@@ -485,8 +486,30 @@ static void test_a_view_left_out_connects_nothing(void)
     ASSERT_STATUS(RIGCAL_ERR_TOO_FEW, rigcal_rig_adjust(&fit, NULL, &r.rig));
 }
 
+static void test_a_pose_may_have_as_many_points_as_can_be_counted(void)
+{
+    rigcal_view_pose pose = {0};
+    rigcal_real unit[36] = {0};
+
+    for (int k = 0; k < 6; k++) {
+        unit[7 * k] = 1;
+    }
+    rc_sym6_pack(pose.information, unit);
+    pose.cam_from_target = test_transform(NULL, NULL);
+    pose.n = RC_COUNT_MAX;
+    ASSERT_STATUS(RIGCAL_OK, rc_check_pose(&pose));
+    if (RC_COUNT_MAX < SIZE_MAX) {
+        pose.n++;
+        ASSERT_STATUS(RIGCAL_ERR_RANGE, rc_check_pose(&pose));
+    }
+    pose.n = 4;
+    pose.sse = -1;
+    ASSERT_STATUS(RIGCAL_ERR_RANGE, rc_check_pose(&pose));
+}
+
 TEST_MAIN()
 {
+    RUN_TEST(test_a_pose_may_have_as_many_points_as_can_be_counted);
     RUN_TEST(test_views_left_out_are_as_if_they_were_not_there);
     RUN_TEST(test_a_view_left_out_connects_nothing);
     RUN_TEST(test_pointers_must_be_there);

@@ -13,8 +13,8 @@ A mutant changes a relation, a condition, an operator, a sign, a number, a retur
 leaves a statement out; assertions and traces stay. Its file is compiled with assertions and
 with the sanitizer of undefined behaviour, which traps; what it does not initialize has huge
 numbers. It is linked before the library, and run against the tests of its layer, those that
-call most of its functions, and those of the layers that include it. They come in the order of
-their time, divided by the share of this layer's mutants that each killed so far. A test that
+call most of its functions, and those of the layers that include it, and bounds, whose own
+library counts calls. They come in the order of their time, divided by the share of this layer's mutants that each killed so far. A test that
 fails, crashes or takes 20 times as long kills the mutant. Where none does and the preset asan
 is built, the first of them run again with the address sanitizer. A survivor is equivalent if
 gcc -O2 makes the same object of it, or equivalent.txt says why no test can kill it; any other
@@ -52,7 +52,8 @@ RECORDED = pathlib.Path(__file__).with_name("recorded.csv")
 REPORT = pathlib.Path(__file__).with_name("RESULTS.md")
 EQUIVALENT = pathlib.Path(__file__).with_name("equivalent.txt")
 SEED = 22
-TESTS_MOST = 12  # tests of a mutant: of its layer and the nearest ones; then hostile
+TESTS_MOST = 12  # tests of a mutant: of its layer and the nearest ones; then LAST
+LAST = ("hostile", "bounds")
 CALLERS_MOST = 4  # of these: tests of other layers that call most of its functions, none of them slow
 CALLER_SECONDS = 10
 ASAN_TESTS = 4  # of those, and none that takes longer without it
@@ -155,13 +156,18 @@ class Bench:
         if said.returncode or not (build / "librigcal.a").exists():
             sys.exit(f"mutate.py: build the preset {build.name} first")
         self.compile: dict[str, list[str]] = {}
+        self.counted: dict[str, list[str]] = {}  # how test_bounds compiles it
         self.link: dict[str, list[str]] = {}
         for command in said.stdout.splitlines():
             if match := re.search(r"-o CMakeFiles/rigcal\.dir/src/rigcal_(\w+)\.c\.o ", command):
                 words = [w for w in shlex.split(command) if w != "-Werror" and not w.startswith(("-O", "-W", "-g"))]
                 self.compile[match[1]] = [*words[:words.index("-MD")], f"-I{ROOT / 'src'}", "-w", "-O0"]
+            elif match := re.search(r"-o tests/CMakeFiles/rigcal_counted\.dir/\S*/rigcal_(\w+)\.c\.o ", command):
+                words = shlex.split(command)
+                self.counted[match[1]] = [*words[:words.index("-MD")], "-w"]
             elif match := re.search(r" -o tests/test_(\w+) ", command):
-                if (build / "tests" / f"test_{match[1]}").exists() and "src/rigcal_" not in command:  # none compiled again
+                if (build / "tests" / f"test_{match[1]}").exists() and (
+                        "src/rigcal_" not in command or match[1] == "bounds" and build != ASAN):  # none compiled again
                     self.link[match[1]] = shlex.split(command.removeprefix(": && ").removesuffix(" && :"))
         if build != ASAN:
             for words in self.compile.values():
@@ -196,8 +202,8 @@ class Bench:
         callers = sorted((name for name in calls if calls[name] and self.times.get(name, 0) < CALLER_SECONDS),
                          key=lambda name: (-calls[name], name))
         seen = list(dict.fromkeys(of[layer] + callers[:CALLERS_MOST] + [name for at in order for name in of[at]]))
-        nearest = [t for t in seen if t != "hostile"][:TESTS_MOST]
-        return nearest + ["hostile"] * (bool(nearest) and "hostile" in self.link)
+        nearest = [t for t in seen if t not in LAST][:TESTS_MOST]
+        return nearest + [t for t in LAST if nearest and t in self.link]
 
     def time_of(self, test: str) -> float:
         """The seconds of a test without a mutant, measured once."""
@@ -223,7 +229,13 @@ class Bench:
             limit = 10 + SLOW * self.time_of(test)
             words = list(self.link[test])
             words[words.index("-o") + 1] = str(program)
-            words.insert(words.index("librigcal.a"), str(obj))
+            if test == "bounds":
+                counted = str(obj) + ".counted.o"
+                subprocess.run([*self.counted[source.layer], f"-I{ROOT / 'src'}", "-o", counted, "-c", str(changed)],
+                               cwd=self.build, check=True, capture_output=True)
+                words = [counted if word.endswith(f"/rigcal_{source.layer}.c.o") else word for word in words]
+            else:
+                words.insert(words.index("librigcal.a"), str(obj))
             subprocess.run(words, cwd=self.build, check=True, capture_output=True)
             try:
                 if subprocess.run([program], cwd=self.build / "tests", capture_output=True, timeout=limit).returncode:

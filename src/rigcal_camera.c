@@ -131,7 +131,8 @@ rigcal_status rc_pixel_to_ray(rigcal_real ray[3], const rigcal_camera *camera,
     if (rc_lens_is_fisheye(c)) {
         return fisheye_ray(ray, m);
     }
-    return rc_vec3_unit(ray, m) ? RIGCAL_OK : RIGCAL_ERR_NO_RAY;
+    (void)rc_vec3_unit(ray, m); /* m[2] is 1 */
+    return RIGCAL_OK;
 }
 
 /* ---- from a point to a pixel --------------------------------------------- */

@@ -16,9 +16,10 @@ static rigcal_status align(rigcal_rectified *out, const rigcal_transform *b_from
     rigcal_real *const z = &out->aligned_from_a[6], centre[3];
     out->baseline = rc_vec3_norm(b_from_a->t); /* also 0 if its square underflows */
     rc_mat3_tmul_vec3(centre, R, b_from_a->t);
-    if (!(out->baseline > 0) || !rc_vec3_unit(x, centre)) { /* towards a from b */
+    if (!(out->baseline > 0)) {
         return RIGCAL_ERR_PARALLEL;
     }
+    (void)rc_vec3_unit(x, centre); /* towards a from b */
     const rigcal_real axes_x[3] = {1 + R[0], R[1], R[2]};
     const rigcal_real axes_z[3] = {R[6], R[7], 1 + R[8]};
     out->a_is_right = rc_vec3_dot(x, axes_x) > 0;
@@ -28,10 +29,10 @@ static rigcal_status align(rigcal_rectified *out, const rigcal_transform *b_from
     const rigcal_real along = rc_vec3_dot(x, axes_z);
     rigcal_real aside[3];
     rc_vec3_combine(aside, 1, axes_z, -along, x);
-    if (!(rc_vec3_norm(aside) > AXIS_SINE_MIN * rc_vec3_norm(axes_z)) ||
-        !rc_vec3_unit(z, aside)) {
+    if (!(rc_vec3_norm(aside) > AXIS_SINE_MIN * rc_vec3_norm(axes_z))) {
         return RIGCAL_ERR_EPIPOLE;
     }
+    (void)rc_vec3_unit(z, aside);
     rc_vec3_cross(y, z, x);
     rc_mat3_mul_t(out->aligned_from_b, out->aligned_from_a, R);
     rc_rotation_tidy(out->aligned_from_b);

@@ -579,6 +579,58 @@ static void test_half_a_square_seen_head_on_or_aslant(void)
     }
 }
 
+/* Corners and a camera at whole coordinates. Often one or both conics are lines already, or
+ * would be without rounding. */
+static void test_whole_coordinates(void)
+{
+    enum { SCENES = TEST_TRIALS(50000) };
+    test_rng rng = test_seed(14);
+    int missed = 0, judged = 0;
+
+    for (int n = 0; n < SCENES; n++) {
+        scene s;
+
+        test_rotation(s.R, 0, 0, 0);
+        for (int k = 0; k < 3; k++) {
+            for (int i = 0; i < 3; i++) {
+                s.X[i][k] = floor(test_uniform(&rng, -2, 3));
+            }
+            s.t[k] = floor(test_uniform(&rng, -4, 5));
+        }
+        observe(&s);
+        const double bound = rounding_bound(&s), chord01 = between(s.ray[0], s.ray[1]);
+        const double chord2 =
+            fmin(between(s.ray[1], s.ray[2]), between(s.ray[2], s.ray[0]));
+        if (!(bound < 0.1 && fmin(chord01, chord2) > 1e-3)) { /* NaN: seen from a corner */
+            continue;
+        }
+        (void)solve(&s);
+        missed += !(least_error(&s) <= bound);
+        judged++;
+    }
+    TEST_ASSERT_EQUAL_INT(0, missed);
+    TEST_ASSERT_GREATER_THAN_INT(SCENES / 2, judged);
+}
+
+/* Three solutions merge, or nearly: the cubic of the pencil is x^3, in double without
+ * rounding. */
+static void test_three_pairings_that_are_one(void)
+{
+    static const double X[2][3][3] = {{{-2, -2, -1}, {2, 0, -2}, {1, -2, 2}},
+                                      {{0, -2, -1}, {-2, 0, -1}, {-2, -2, 2}}};
+    static const double T[2][3] = {{3, -2, -3}, {3, 3, 3}};
+    scene s;
+
+    for (int n = 0; n < 2; n++) {
+        memcpy(s.X, X[n], sizeof s.X);
+        memcpy(s.t, T[n], sizeof s.t);
+        test_rotation(s.R, 0, 0, 0);
+        observe(&s);
+        (void)solve(&s);
+        TEST_ASSERT_TRUE(least_error(&s) < 2 * cbrt(EPS));
+    }
+}
+
 /* Units, origin and order of the points have no effect. */
 static void test_units_origin_and_order_do_not_matter(void)
 {
@@ -819,6 +871,8 @@ TEST_MAIN()
     RUN_TEST(test_it_finds_what_a_scan_finds);
     RUN_TEST(test_a_case_from_paper);
     RUN_TEST(test_half_a_square_seen_head_on_or_aslant);
+    RUN_TEST(test_whole_coordinates);
+    RUN_TEST(test_three_pairings_that_are_one);
     RUN_TEST(test_units_origin_and_order_do_not_matter);
     RUN_TEST(test_rays_may_point_anywhere);
     RUN_TEST(test_points_on_a_line_or_together_have_none);

@@ -56,7 +56,6 @@ static void check_projection(const rigcal_camera *camera, const rigcal_real X[3]
 {
     rigcal_real uv[2], ray[3];
     rigcal_status status;
-    int i;
 
     MARK(uv);
     status = rigcal_camera_project(uv, camera, X);
@@ -67,13 +66,18 @@ static void check_projection(const rigcal_camera *camera, const rigcal_real X[3]
     }
     PROMISE(fuzz_all_finite(uv, 2));
     PROMISE(camera->lens == RIGCAL_LENS_FISHEYE || X[2] > 0);
-    const double length = hypot(hypot((double)X[0], (double)X[1]), (double)X[2]);
+    const double largest =
+        fmax(fmax(fabs((double)X[0]), fabs((double)X[1])), fabs((double)X[2]));
     if (is_small(camera, uv) && sizeof(rigcal_real) == 8 && camera->fx > 100 &&
-        camera->fy > 100 && length > DBL_MIN / DBL_EPSILON &&
+        camera->fy > 100 && largest > DBL_MIN / DBL_EPSILON &&
         rigcal_camera_ray(ray, camera, uv) == RIGCAL_OK) {
-        for (i = 0; i < 3; i++) { /* near a fold two rays have nearly the same pixel */
-            PROMISE(fabs((double)ray[i] - (double)X[i] / length) < 1e-3);
-        }
+        const double x = (double)X[0] / largest, y = (double)X[1] / largest;
+        const double z = (double)X[2] / largest, length = sqrt(x * x + y * y + z * z);
+
+        /* near a fold two rays have nearly the same pixel */
+        PROMISE(fabs((double)ray[0] - x / length) < 1e-3);
+        PROMISE(fabs((double)ray[1] - y / length) < 1e-3);
+        PROMISE(fabs((double)ray[2] - z / length) < 1e-3);
     }
 }
 

@@ -1,8 +1,9 @@
-"""A short form of fuzz.py, and what it has found."""
+"""Short forms of fuzz.py and fuzz_files.py, and what they have found."""
 
 from __future__ import annotations
 
 import fuzz
+import fuzz_files
 import numpy as np
 import pytest
 
@@ -16,6 +17,10 @@ def test_any_call_is_an_answer_or_an_error():
     assert counts["answers"] > 1500
     assert counts["errors"] > 2000
     assert set(fuzz.NAMES) <= set(counts)
+
+
+def test_a_changed_file_is_read_or_refused():
+    assert 40 < fuzz_files.run(600, 2) < 400
 
 
 @pytest.mark.parametrize("data", [None, 3, "text", [1, 2], {}, HUGE])

@@ -275,21 +275,25 @@ RC_APART static void settle(rigcal_pose_solver *s, int is_optimum)
 
 /* Refinement keeps the points in front of the camera. Whether a lens that turns back sees
  * them still has to be proved. A refinement that ran out of evaluations is on its way along
- * a valley, and likely leads to an optimum that is found from elsewhere too. */
+ * a valley, and likely leads to an optimum that is found from elsewhere too. It counts only
+ * until a better one takes its place. */
 static void end_refinement(rigcal_pose_solver *s)
 {
     const rigcal_optima *const optima = &s->search.optima;
     const rigcal_refinement *const end = &s->search.work.refinement;
     const rigcal_status status = end->search.status;
     const rigcal_real sum = end->search.sum;
-    const int32_t same = rc_optima_near(optima, end->cam_from_points.R,
-                                        is_exact(s) ? SAME_EXACT : SAME_POSE);
+    int32_t same = rc_optima_near(optima, end->cam_from_points.R,
+                                  is_exact(s) ? SAME_EXACT : SAME_POSE);
     int is_optimum = status == RIGCAL_OK;
     if (!s->is_warm && status == RIGCAL_BUDGET_SPENT) {
         is_optimum = optima->n == 0 || sum < optima->list[0].sse;
     }
     if (!s->is_warm && status == RIGCAL_ERR_DEGENERATE) {
         s->failure = RIGCAL_ERR_DEGENERATE;
+    }
+    if (same < 0 && s->is_unfinished && sum < optima->list[0].sse) {
+        same = 0;
     }
     if (same >= 0 && !(sum < optima->list[same].sse)) {
         is_optimum = 0;

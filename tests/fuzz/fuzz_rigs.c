@@ -27,37 +27,20 @@ static int solve(fuzz_rig *made, size_t index)
     return 1;
 }
 
-int fuzz_rig_read(fuzz_rig *made, fuzz_bytes *bytes)
+void fuzz_rig_begin(fuzz_rig *made, size_t n_cameras, size_t n_placements)
 {
     rigcal_rig *rig = &made->rig;
-    size_t c, p, k;
+    size_t i;
 
     memset(made, 0, sizeof *made);
-    rig->n_cameras = 1 + (size_t)fuzz_below(bytes, RIG_CAMERAS + 1) % RIG_CAMERAS;
-    rig->n_placements = 1 + (size_t)fuzz_below(bytes, RIG_PLACEMENTS + 1) % RIG_PLACEMENTS;
-    for (c = 0; c < rig->n_cameras; c++) {
-        fuzz_camera(&made->cameras[c], bytes);
-        made->cams_from_rig[c] = IDENTITY;
+    for (i = 0; i < n_cameras; i++) {
+        made->cams_from_rig[i] = IDENTITY;
     }
-    for (p = 0; p < rig->n_placements; p++) {
-        made->rig_from_placements[p] = IDENTITY;
-        for (c = 0; c < rig->n_cameras; c++) {
-            const size_t n = (size_t)fuzz_below(bytes, RIG_POINTS + 1);
-            rigcal_rig_view *view = &made->views[rig->n_views];
-
-            for (k = 0; k < n; k++) {
-                fuzz_reals(made->observations[rig->n_views][k].X_w, 3, bytes);
-                fuzz_reals(made->observations[rig->n_views][k].uv, 2, bytes);
-            }
-            view->view.camera = &made->cameras[c];
-            view->view.observations = made->observations[rig->n_views];
-            view->view.sigma = NULL;
-            view->view.n = n;
-            view->camera = (int32_t)c;
-            view->placement = (int32_t)p;
-            rig->n_views += (size_t)solve(made, rig->n_views);
-        }
+    for (i = 0; i < n_placements; i++) {
+        made->rig_from_placements[i] = IDENTITY;
     }
+    rig->n_cameras = n_cameras;
+    rig->n_placements = n_placements;
     rig->cams_from_rig = made->cams_from_rig;
     rig->rig_from_placements = made->rig_from_placements;
     rig->group = made->group;
@@ -65,7 +48,45 @@ int fuzz_rig_read(fuzz_rig *made, fuzz_bytes *bytes)
     rig->view_poses = made->poses;
     rig->work = made->work;
     rig->work_capacity = RIG_WORK;
-    return rig->n_views > 0;
+}
+
+void fuzz_rig_add(fuzz_rig *made, size_t camera, size_t placement, size_t n)
+{
+    rigcal_rig_view *view = &made->views[made->rig.n_views];
+
+    view->view.camera = &made->cameras[camera];
+    view->view.observations = made->observations[made->rig.n_views];
+    view->view.sigma = NULL;
+    view->view.n = n;
+    view->camera = (int32_t)camera;
+    view->placement = (int32_t)placement;
+    made->rig.n_views += (size_t)solve(made, made->rig.n_views);
+}
+
+int fuzz_rig_read(fuzz_rig *made, fuzz_bytes *bytes)
+{
+    const size_t n_cameras = 1 + (size_t)fuzz_below(bytes, RIG_CAMERAS + 1) % RIG_CAMERAS;
+    const size_t n_placements =
+        1 + (size_t)fuzz_below(bytes, RIG_PLACEMENTS + 1) % RIG_PLACEMENTS;
+    size_t c, p, k;
+
+    fuzz_rig_begin(made, n_cameras, n_placements);
+    for (c = 0; c < n_cameras; c++) {
+        fuzz_camera(&made->cameras[c], bytes);
+    }
+    for (p = 0; p < n_placements; p++) {
+        for (c = 0; c < n_cameras; c++) {
+            rigcal_observation *observations = made->observations[made->rig.n_views];
+            const size_t n = (size_t)fuzz_below(bytes, RIG_POINTS + 1);
+
+            for (k = 0; k < n; k++) {
+                fuzz_reals(observations[k].X_w, 3, bytes);
+                fuzz_reals(observations[k].uv, 2, bytes);
+            }
+            fuzz_rig_add(made, c, p, n);
+        }
+    }
+    return made->rig.n_views > 0;
 }
 
 void fuzz_rig_check(const rigcal_rig *rig)

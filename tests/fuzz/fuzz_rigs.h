@@ -26,8 +26,13 @@ typedef struct fuzz_rig {
     rigcal_rig rig;
 } fuzz_rig;
 
-/* Reads cameras and views from the bytes, and finds the pose of each view by
- * rigcal_pose_solve. Views without a pose are left out. Returns 0 if no view is left. */
+/* A rig without views, cameras and placements at the origin. Then, for each view in the
+ * order of placements: fill made->observations[made->rig.n_views], then add it. Its pose is
+ * found by rigcal_pose_solve; a view without one is left out. */
+void fuzz_rig_begin(fuzz_rig *made, size_t n_cameras, size_t n_placements);
+void fuzz_rig_add(fuzz_rig *made, size_t camera, size_t placement, size_t n);
+
+/* All of it, with cameras and views from the bytes. Returns 0 if no view is left. */
 int fuzz_rig_read(fuzz_rig *made, fuzz_bytes *bytes);
 
 /* After a function that writes the rig's poses, all must be rigid. */

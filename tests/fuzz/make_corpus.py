@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import csv
 import pathlib
+import random
 import struct
 import sys
 
@@ -209,6 +210,12 @@ def paper(rig: Rig) -> list[bytes]:
     return of_views(rig, bytes([0, 7, 2, 3, 0, 0])) + of_views(rig, bytes([1, 7, 3, 0, 2, 1]))
 
 
+def ways(rig: Rig) -> list[bytes]:
+    """Its scenes are made from the bytes alone."""
+    chance = random.Random(" ".join(rig.cameras))
+    return [bytes([kind % 4]) + chance.randbytes(400) for kind in range(8)]
+
+
 def text(rig: Rig) -> list[bytes]:
     row = "cam,640,480,532.8,532.9,342.4,233.8,-0.28,0.025,0.0012,-0.00013,0.16\n"
     head = "camera,width,height,fx,fy,cx,cy,k1,k2,p1,p2,k3\n"
@@ -225,6 +232,7 @@ HARNESSES = {
     "adjust": adjust, "camera": of_camera, "csv": text, "diagnose": diagnose,
     "measure": measure, "monitor": monitor, "neldermead": neldermead, "paper": paper,
     "pose": pose, "rig": adjust, "robust": robust, "rotation": rotation, "store": store,
+    "ways": ways,
 }  # fmt: skip
 
 

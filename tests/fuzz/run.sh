@@ -16,9 +16,10 @@ cd "$(dirname "$0")/../.."
 . tests/support/packages.sh
 
 what=${1:-double}
-harnesses=$(ls tests/fuzz/fuzz_*.c | sed 's|.*/fuzz_||; s|\.c$||; /^rigs$/d')
+harnesses=$(ls tests/fuzz/fuzz_*.c | sed 's|.*/fuzz_||; s|\.c$||; /^rigs$/d; /^narrow$/d')
 case $what in
-double | float | msan) ;;
+double | msan) ;;
+float) harnesses=$(echo "$harnesses" | sed '/^ways$/d') ;; # it has both precisions
 campaign)
     if [ $# -lt 2 ]; then
         echo "usage: sh tests/fuzz/run.sh campaign SECONDS [HARNESS...]" >&2
@@ -46,18 +47,34 @@ campaign) build=build/fuzz/double ;;
 float) defines=-DRIGCAL_USE_FLOAT=1 ;;
 msan) sanitize=memory ;;
 esac
-mkdir -p "$build"
-flags="-std=c99 -g -O1 -Wall -Wextra -Werror -fno-sanitize-recover=all -Iinclude -Iexamples $defines"
+flags="-std=c99 -g -O1 -Wall -Wextra -Werror -fno-sanitize-recover=all -Iinclude -Iexamples"
 
-# The objects are built again if a source or a header is newer.
-newest=$(find src include -type f -newer "$build/library.a" 2>/dev/null || echo none)
-if [ -n "$newest" ]; then
-    printf '%s\n' src/*.c | xargs -P "${CMAKE_BUILD_PARALLEL_LEVEL:-2}" -I{} sh -c '
-        clang-19 $1 -fsanitize=fuzzer-no-link,$2 -c "$3" -o "$4/$(basename "$3" .c).o"
-    ' compile "$flags" "$sanitize" {} "$build"
-    rm -f "$build/library.a"
-    ar rcs "$build/library.a" "$build"/rigcal_*.o
-fi
+# build_library FOLDER DEFINES: FOLDER/library.a. The objects are built again if a source or a
+# header is newer.
+build_library() {
+    mkdir -p "$1"
+    newest=$(find src include -type f -newer "$1/library.a" 2>/dev/null || echo none)
+    if [ -n "$newest" ]; then
+        printf '%s\n' src/*.c | xargs -P "${CMAKE_BUILD_PARALLEL_LEVEL:-2}" -I{} sh -c '
+            clang-19 $1 -fsanitize=fuzzer-no-link,$2 -c "$3" -o "$4/$(basename "$3" .c).o"
+        ' compile "$flags $2" "$sanitize" {} "$1"
+        rm -f "$1/library.a"
+        ar rcs "$1/library.a" "$1"/rigcal_*.o
+    fi
+}
+
+# The library in float as one object, of which only the functions of fuzz_narrow.h are visible.
+build_narrow() {
+    build_library "$build-narrow" -DRIGCAL_USE_FLOAT=1
+    # shellcheck disable=SC2086 -- flags
+    clang-19 $flags -DRIGCAL_USE_FLOAT=1 -fsanitize=fuzzer-no-link,$sanitize \
+        -c tests/fuzz/fuzz_narrow.c -o "$build-narrow/fuzz_narrow.o"
+    ld -r -o "$build-narrow/narrow.o" "$build-narrow/fuzz_narrow.o" "$build-narrow/library.a"
+    objcopy --wildcard --keep-global-symbol='narrow_*' "$build-narrow/narrow.o"
+}
+
+build_library "$build" "$defines"
+flags="$flags $defines"
 # In CI the inputs are the same each time, whatever campaigns have found.
 case $what in
 double | float)
@@ -74,7 +91,7 @@ runs_of() {
     case $1 in
     camera | rotation | neldermead) echo 150000 ;;
     store) echo 100000 ;;
-    adjust | csv | measure) echo 20000 ;;
+    adjust | csv | measure | ways) echo 20000 ;;
     *) echo 6000 ;;
     esac
 }
@@ -90,6 +107,10 @@ run() {
     # The reader is a part of the command line, and fuzz_csv.c includes it.
     case $1 in
     csv) others="examples/cli_input.c examples/cli_names.c examples/cli_foreign.c examples/cli_os.c" ;;
+    ways)
+        build_narrow
+        others="tests/fuzz/fuzz_rigs.c $build-narrow/narrow.o"
+        ;;
     *) others=tests/fuzz/fuzz_rigs.c ;;
     esac
     # shellcheck disable=SC2086 -- lists of flags and of sources

@@ -1,5 +1,5 @@
-/* A search of a valley may run out of evaluations on its way. While its pose was the best so
- * far it was kept, and stayed among the optima when a better one was found. */
+/* A search of a valley may run out of evaluations on its way. While its pose was the best
+ * so far it was kept, and stayed among the optima when a better one was found. */
 #include <math.h>
 
 #include "test_support.h"

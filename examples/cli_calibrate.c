@@ -226,19 +226,18 @@ static void write_residuals(FILE *file, const calibration *c)
             "camera,frame,point,X,Y,Z,observed_u,observed_v,du,dv,error_px,left_out\n");
     for (i = 0; i < c->n_views; i++) {
         const view *v = &c->views[i];
-        const residual *list = view_residuals_in_rig(c, v);
+        view_residuals of = residuals_in_rig(c, v);
 
         for (k = 0; k < v->n_seen; k++) {
-            const int is_known = list != NULL && list[k].is_known;
-            const residual r = list != NULL ? list[k] : (residual){{0, 0}, 0, 0};
+            const residual r = next_residual(&of, c, k);
 
             fprintf(file, "%s,%s,%s", c->cameras.names.name[v->camera],
                     c->observations.frames.name[v->frame], view_point_name(c, v, k));
-            cli_write_numbers(file, v->first[k].seen.X_w, 3);
-            cli_write_numbers(file, v->first[k].seen.uv, 2);
-            cli_write_known(file, r.duv[0], is_known);
-            cli_write_known(file, r.duv[1], is_known);
-            cli_write_known(file, r.error_px, is_known);
+            cli_write_numbers(file, cli_X(&c->observations, &v->first[k]), 3);
+            cli_write_numbers(file, v->first[k].uv, 2);
+            cli_write_known(file, r.duv[0], r.is_known);
+            cli_write_known(file, r.duv[1], r.is_known);
+            cli_write_known(file, r.error_px, r.is_known);
             fprintf(file, ",%d\n", v->is_left_out || view_leaves_out(v, k));
         }
     }

@@ -16,33 +16,47 @@
  * pixel. */
 enum { POINT_DISAGREES = 0, POINT_COUNTS = 1, POINT_UNSEEN = 2 };
 
-/* One camera in one frame. */
+/* Poses of a view that are kept: the one that is taken, and the best of the others. */
+enum { POSES_KEPT = 2 };
+
+/* One camera in one frame. There may be a million of them, so the numbers are as small as
+ * possible. */
 typedef struct {
-    size_t camera, frame; /* numbers of their names */
     const cli_observation *first;
-    size_t n_seen;
-    uint8_t *agree;       /* of each point: POINT_; NULL: all count */
-    size_t n_unseen;      /* points left out because the lens images no ray there */
-    size_t n;             /* points that count */
-    int by_paper;         /* by the published procedure: one pose, no sigma */
-    rigcal_status status; /* OK, or the caveat of the pose */
-    rigcal_pose poses[RIGCAL_POSES_MAX]; /* best first */
-    size_t n_poses, taken;
-    int settled;          /* other frames decided which pose is right */
+    uint8_t *agree;         /* of each point: POINT_; NULL: all count */
+    rigcal_pose *poses;     /* best first */
+    uint32_t camera, frame; /* numbers of their names */
+    uint32_t n_seen;
+    uint32_t n_unseen; /* points left out because the lens images no ray there */
+    uint32_t n;        /* points that count */
+    uint32_t rig_camera;
+    uint32_t placement;   /* number in the rig: that of its frame, unless frames were paired
+                             anew */
+    uint32_t rig_view;    /* number of the view in the rig, if in_rig */
     rigcal_real distance; /* from the camera to the middle of the points */
-    int has_sigma;
     rigcal_real sigma_deg, sigma_pos; /* standard deviations of the rotation and of the
                                          camera's centre */
-    size_t rig_camera;
-    size_t placement; /* number in the rig: that of its frame, unless frames were paired
-                         anew */
-    int in_rig;       /* whether its points count in the rig */
-    size_t rig_view;  /* number of the view in the rig, if in_rig */
-    int is_left_out;  /* whether it contradicts other views and does not count */
-    int is_told;      /* whether the user has been told why */
-    int is_repeated;  /* whether another frame has the same pixels */
-    int verdict;      /* RIGCAL_VIEW_; -1: the view was not judged */
+    rigcal_status status;             /* OK, or the caveat of the pose */
+    uint8_t n_poses, taken;
+    uint8_t by_paper; /* by the published procedure: one pose, no sigma */
+    uint8_t settled;  /* other frames decided which pose is right */
+    uint8_t has_sigma;
+    uint8_t has_information; /* whether that of the best pose has been kept */
+    uint8_t in_rig;          /* whether its points count in the rig */
+    uint8_t is_left_out;     /* whether it contradicts other views and does not count */
+    uint8_t is_told;         /* whether the user has been told why */
+    uint8_t is_repeated;     /* whether another frame has the same pixels */
+    int8_t verdict;          /* RIGCAL_VIEW_; -1: the view was not judged */
 } view;
+
+/* The points of one view that count, in the form of the library. There are two of these,
+ * because a pose of a view may be asked for while the points of another one are in use. */
+typedef struct {
+    rigcal_observation *list;
+    rigcal_real *sigma; /* relative sigma of each; NULL: all alike */
+    size_t room;
+    size_t of; /* if the rig was given them: 1 + the number of the view; else 0 */
+} gathered_points;
 
 /* What is wrong, and what to do. Findings of the first rank are printed first. */
 typedef enum { ABOUT_RIG, ABOUT_CAMERA, ABOUT_VIEW } finding_rank;
@@ -53,8 +67,25 @@ typedef struct {
     const char *what, *advice;
     const char *cameras, *frames; /* names of the cameras and frames that it is about,
                                      separated by commas; or NULL */
-    int is_said;                  /* whether another message says the same */
 } finding;
+
+/* Why a view has no pose, is not in the rig, or is doubtful, in few bytes: it may be said
+ * of every line of the file. */
+typedef enum {
+    TROUBLE_TOO_FEW,
+    TROUBLE_POINT, /* no pose because of one point */
+    TROUBLE_NO_POSE,
+    TROUBLE_CAVEAT,
+    TROUBLE_LEFT_OUT, /* not in the rig */
+} trouble_kind;
+typedef struct {
+    rigcal_real rms_px;
+    uint32_t number; /* in the order of findings and troubles together */
+    uint32_t camera, frame;
+    uint32_t n; /* number of points; of TROUBLE_POINT: the number of its name */
+    int16_t status;
+    uint8_t kind;
+} view_trouble;
 
 /* What is known beforehand of each camera of cameras.csv. */
 typedef struct {
@@ -102,10 +133,9 @@ typedef struct {
     rigcal_robust_options robust;
     int exit_status;
 
-    rigcal_observation *observed; /* work for one view: its points that count */
-    rigcal_real *observed_sigma;  /* relative sigma of each of these; NULL: all alike */
-    size_t *observed_at;          /* number of each of these among the points of the view */
-    rigcal_bearing *bearings;
+    gathered_points *gathered, *aside; /* work for one view */
+    rigcal_pose *found;                /* RIGCAL_POSES_MAX */
+    uint8_t *agree;
     rigcal_pair *pairs;
     size_t n_pairs;
 
@@ -130,17 +160,18 @@ typedef struct {
     size_t n_paired;      /* how often frames were paired anew */
     rigcal_rig_clocks clocks;
     double *placement_time;
-    size_t *view_of; /* for each view of the rig: its number in `views` */
-    int *placed;     /* for each placement: whether it has a pose in the main camera's
+    uint32_t *view_of; /* for each view of the rig: its number in `views` */
+    int *placed;       /* for each placement: whether it has a pose in the main camera's
                         frame */
 
-    rigcal_view_pose *second_poses; /* of the views of the rig */
     rigcal_choice choice;
     rigcal_judgement judgement;
     rigcal_judged_view *judged; /* of the views of the rig */
     size_t n_left_out;          /* views */
     finding *findings;
     size_t n_findings, room_for_findings;
+    view_trouble *troubles;
+    size_t n_troubles, room_for_troubles;
     int sigma_is_told;   /* whether the user was told that --sigma is too small for most
                             views */
     int *camera_is_told; /* for each camera: whether the user was told what is wrong with
@@ -177,6 +208,20 @@ const view *views_of(const view **first, const calibration *c, size_t camera);
  * call. */
 rigcal_view view_points(const calibration *c, const view *v);
 
+/* Makes the library's form of pose number `which` of the view, with its information. If
+ * there is no such pose, it gets n = 0, and the status is not OK. */
+rigcal_status make_pose(rigcal_view_pose *pose, const calibration *c, view *v,
+                        size_t which);
+
+/* The sources of the rig's views, of their best poses, and of their second poses. The
+ * context is the calibration. */
+rigcal_status view_at(rigcal_rig_view *seen, size_t index, void *context);
+rigcal_status pose_at(rigcal_view_pose *pose, size_t index, void *context);
+rigcal_status second_pose_at(rigcal_view_pose *pose, size_t index, void *context);
+
+/* The pose by which the library joins a view of the rig. */
+rigcal_view_pose pose_in_rig(const calibration *c, size_t index);
+
 /* Takes one of the view's poses, and computes what follows from it. */
 void view_take(const calibration *c, view *v, size_t pose);
 
@@ -186,7 +231,7 @@ void view_take(const calibration *c, view *v, size_t pose);
  * pose. pose_residual does the same for any pose. */
 typedef struct {
     rigcal_real duv[2], error_px;
-    int is_known; /* only from view_residuals_in_rig */
+    int is_known; /* only from next_residual */
 } residual;
 const char *view_point_name(const calibration *c, const view *v, size_t k);
 int view_leaves_out(const view *v, size_t k);
@@ -205,10 +250,19 @@ const char *rig_frame_name(const calibration *c);
  * taken. */
 rigcal_transform view_in_rig(const calibration *c, const view *v);
 
-/* The residual of each point of the view: observed minus projected by the rig. NULL if it
- * is not known. Points that do not count are computed from the placement at its own
- * instant. The result is valid until the next call. */
-const residual *view_residuals_in_rig(const calibration *c, const view *v);
+/* The residual of each point of the view: observed minus projected by the rig. With clocks,
+ * the target is where it was at the time of the view; for points that do not count, where
+ * it was at the instant of the placement. Ask for one view at a time, and for its points in
+ * their order. Points that do not count may be skipped. */
+typedef struct {
+    const view *v;
+    rigcal_transform pose;
+    const rigcal_real *duv; /* with clocks: of the points that count; else NULL */
+    size_t n_counted;       /* of these, the number that were asked for */
+    int is_known;
+} view_residuals;
+view_residuals residuals_in_rig(const calibration *c, const view *v);
+residual next_residual(view_residuals *of, const calibration *c, size_t k);
 
 /* Covariance of (w, dt) of a pose, and the standard deviations of its rotation and of the
  * camera's centre. */
@@ -243,8 +297,13 @@ void tell_findings(calibration *c);
 int is_finding_told(const calibration *c, const finding *f);
 
 /* Says why a view has no pose, or is not in the rig, and keeps the reason for summary.json.
- * Does not change the exit status. */
-void say_of_view(calibration *c, const view *v, const char *what);
+ * Does not change the exit status. point: number of its name, for TROUBLE_POINT.
+ */
+void say_of_view(calibration *c, const view *v, trouble_kind kind, rigcal_status status,
+                 size_t point);
+
+/* The text of it, in memory of cli_alloc. */
+char *trouble_text(const calibration *c, const view_trouble *trouble);
 
 /* The name of a view's camera. The name of its frame. */
 const char *view_camera_name(const calibration *c, const view *v);

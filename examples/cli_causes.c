@@ -90,19 +90,19 @@ static void tell_cause(reason *r, const calibration *c, const rigcal_cause *caus
 /* ==== a view ============================================================== */
 
 /* For each point: where it is on the target, as the views in the rig have it. */
-static const cli_observation **points_in_rig(const calibration *c)
+static const rigcal_real **points_in_rig(const calibration *c)
 {
-    const cli_observation **place =
-        cli_alloc(c->observations.points.count, sizeof(const cli_observation *));
+    const rigcal_real **place =
+        cli_alloc(c->observations.points.count, sizeof(const rigcal_real *));
     size_t i, k;
 
     for (i = 0; i < c->n_views; i++) {
         const view *v = &c->views[i];
 
         for (k = 0; v->in_rig && k < v->n_seen; k++) {
-            if (place[v->first[k].point] == NULL) {
-                place[v->first[k].point] = &v->first[k];
-            }
+            const rigcal_real **at = &place[cli_point(&c->observations, &v->first[k])];
+
+            *at = *at == NULL ? cli_X(&c->observations, &v->first[k]) : *at;
         }
     }
     return place;
@@ -116,29 +116,31 @@ static double dot(const rigcal_real a[3], const rigcal_real b[3])
 
 /* The factor by which the view's coordinates differ from those of the same points in other
  * views; 0: there is no such factor. */
-static double coordinate_factor(const view *v, const cli_observation *const place[])
+static double coordinate_factor(const calibration *c, const view *v,
+                                const rigcal_real *const place[])
 {
     double squares = 0, products = 0, factor, own = 0, off = 0;
     size_t k, n = 0;
     int i;
 
     for (k = 0; k < v->n_seen; k++) {
-        const cli_observation *known = place[v->first[k].point];
+        const rigcal_real *X = cli_X(&c->observations, &v->first[k]);
+        const rigcal_real *known = place[cli_point(&c->observations, &v->first[k])];
 
         if (known != NULL) {
-            squares += dot(known->seen.X_w, known->seen.X_w);
-            products += dot(known->seen.X_w, v->first[k].seen.X_w);
-            own += dot(v->first[k].seen.X_w, v->first[k].seen.X_w);
+            squares += dot(known, known);
+            products += dot(known, X);
+            own += dot(X, X);
             n++;
         }
     }
     factor = squares > 0 ? products / squares : 0;
     for (k = 0; k < v->n_seen; k++) {
-        const cli_observation *known = place[v->first[k].point];
+        const rigcal_real *X = cli_X(&c->observations, &v->first[k]);
+        const rigcal_real *known = place[cli_point(&c->observations, &v->first[k])];
 
         for (i = 0; known != NULL && i < 3; i++) {
-            const double apart =
-                (double)v->first[k].seen.X_w[i] - factor * (double)known->seen.X_w[i];
+            const double apart = (double)X[i] - factor * (double)known[i];
 
             off += apart * apart;
         }
@@ -168,9 +170,9 @@ static double distance_factor(const calibration *c, const view *v)
 }
 
 static void tell_unit(reason *r, const calibration *c, const view *v,
-                      const cli_observation *const place[])
+                      const rigcal_real *const place[])
 {
-    double factor = coordinate_factor(v, place);
+    double factor = coordinate_factor(c, v, place);
 
     factor = factor > 0 ? factor : distance_factor(c, v);
     if (factor > 0 && fabs(log(factor)) > 0.02) {
@@ -192,7 +194,7 @@ static int fits_mirrored(const calibration *c, const view *v, const rigcal_trans
     size_t i, n = 0;
 
     for (i = 0; i < seen.n; i++) { /* view_points gathers them again at each call */
-        rigcal_real *uv = c->observed[i].uv;
+        rigcal_real *uv = c->gathered->list[i].uv;
 
         uv[is_upside_down] =
             (rigcal_real)(is_upside_down ? camera->height : camera->width) - 1 -
@@ -244,8 +246,7 @@ static void tell_point(reason *r, const calibration *c, const view *v)
 }
 
 /* The reason why view i of the rig is wrong. */
-static reason find_reason(const calibration *c, size_t i,
-                          const cli_observation *const place[])
+static reason find_reason(const calibration *c, size_t i, const rigcal_real *const place[])
 {
     const view *v = judged_view(c, i);
     const char *camera = view_camera_name(c, v);
@@ -347,7 +348,7 @@ static void find_wrong_views(calibration *c, const wrong_views *w)
 }
 
 static void collect_placement(wrong_views *w, calibration *c, size_t first, size_t end,
-                              const cli_observation *const place[])
+                              const rigcal_real *const place[])
 {
     static size_t n_looked_into;
     size_t i;
@@ -382,7 +383,7 @@ static void collect_placement(wrong_views *w, calibration *c, size_t first, size
  * not named. */
 static void find_wrong_placements(calibration *c)
 {
-    const cli_observation **place = points_in_rig(c);
+    const rigcal_real **place = points_in_rig(c);
     size_t first, end;
 
     for (first = 0; first < c->rig.n_views; first = end) {
@@ -423,6 +424,9 @@ static reason find_camera_reason(const calibration *c, size_t camera, int scales
         if (v->rig_camera == camera && (most == NULL || v->n > most->n)) {
             most = v;
         }
+    }
+    if (most == NULL) {
+        return r;
     }
     seen = view_points(c, most);
     by = symmetries_of(&seen);
@@ -538,8 +542,10 @@ static double noise_of_rig(const calibration *c)
         return (double)c->choice.sigma_px;
     }
     for (i = 0; i < c->rig.n_views; i++) {
-        sum += (double)c->rig.view_poses[i].sse;
-        n += 2 * (double)c->rig.view_poses[i].n - 6;
+        const rigcal_view_pose pose = pose_in_rig(c, i);
+
+        sum += (double)pose.sse;
+        n += 2 * (double)pose.n - 6;
     }
     return c->pose.sigma_px > 0 ? (double)c->pose.sigma_px : sqrt(sum / fmax(n, 1)) + 1e-9;
 }

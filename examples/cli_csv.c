@@ -53,10 +53,13 @@ void cli_progress(size_t n_views, const char *format, ...)
     is_progress_shown = !is_progress_in_lines;
 }
 
-/* Messages that are held back until other messages have been shown. */
+/* Messages that are held back until other messages have been shown. A 0 is followed by the
+ * number of one that is made later. */
 static char *held;
 static size_t held_size, held_room;
 static int is_holding;
+static cli_later *say_numbered;
+static const void *context_of_numbered;
 
 void cli_hold(void)
 {
@@ -65,38 +68,65 @@ void cli_hold(void)
 
 void cli_release(void)
 {
+    char *const text = held;
+    const size_t size = held_size;
+    size_t at = 0, number;
+
     cli_progress_end();
-    if (held_size > 0) {
-        fwrite(held, 1, held_size, stderr);
-    }
-    free(held);
     held = NULL;
     held_size = held_room = 0;
     is_holding = 0;
+    while (text != NULL && at < size) {
+        const char *zero = memchr(text + at, '\0', size - at);
+        const size_t end = zero != NULL ? (size_t)(zero - text) : size;
+
+        fwrite(text + at, 1, end - at, stderr);
+        at = end;
+        if (zero != NULL) {
+            memcpy(&number, zero + 1, sizeof number);
+            say_numbered(context_of_numbered, number);
+            at += 1 + sizeof number;
+        }
+    }
+    free(text);
 }
 
-/* Adds a message to those held. If memory is short, all are shown at once. */
-static void hold(const char *text)
+/* Adds to the messages held. Returns 0 if memory is short: then all have been shown. */
+static int hold(const char text[], size_t size)
 {
-    const size_t size = strlen(text);
-
-    if (size == 0) {
-        return;
-    }
-    if (held_size + size + 1 > held_room) {
-        const size_t room = 2 * (held_size + size + 1);
+    if (held == NULL || held_size + size > held_room) {
+        const size_t room = held_size + size + held_size / 2 + 1024;
         char *larger = realloc(held, room);
 
         if (larger == NULL) {
             cli_release();
-            fputs(text, stderr);
-            return;
+            return 0;
         }
         held = larger;
         held_room = room;
     }
-    memcpy(held + held_size, text, size + 1);
+    memcpy(held + held_size, text, size);
     held_size += size;
+    return 1;
+}
+
+static void hold_text(const char *text)
+{
+    if (!is_holding || !hold(text, strlen(text))) {
+        fputs(text, stderr);
+    }
+}
+
+void cli_say_later(cli_later *say, const void *context, size_t number)
+{
+    char marked[1 + sizeof number] = {0};
+
+    say_numbered = say;
+    context_of_numbered = context;
+    memcpy(marked + 1, &number, sizeof number);
+    if (!is_holding || !hold(marked, sizeof marked)) {
+        say(context, number);
+    }
 }
 
 static void complain(const char *before, const char *format, va_list arguments,
@@ -118,9 +148,9 @@ static void complain(const char *before, const char *format, va_list arguments,
     va_end(copy);
     text = cli_alloc((size_t)(size > 0 ? size : 0) + 1, 1);
     vsnprintf(text, (size_t)(size > 0 ? size : 0) + 1, format, arguments);
-    hold(before);
-    hold(text);
-    hold(behind);
+    hold_text(before);
+    hold_text(text);
+    hold_text(behind);
     cli_free(text);
 }
 
@@ -263,6 +293,22 @@ void cli_free(void *memory)
 
     free(memory);
     blocks[i] = blocks[--n_blocks];
+}
+
+void *cli_keep(size_t size)
+{
+    enum { BLOCK = 65536 };
+    static char *block;
+    static size_t left;
+    const size_t rounded = (size + sizeof(double) - 1) / sizeof(double) * sizeof(double);
+
+    if (rounded > left) {
+        left = rounded > BLOCK ? rounded : BLOCK;
+        block = cli_alloc(left, 1);
+    }
+    block += rounded;
+    left -= rounded;
+    return block - rounded;
 }
 
 /* ==== the file, its lines, its fields ===================================== */

@@ -30,6 +30,11 @@ CLI_NORETURN void cli_fail(const char *format, ...) CLI_PRINTF(1, 2);
 void cli_hold(void);
 void cli_release(void);
 
+/* A message that `say` makes when it is shown. Where there may be very many, holding their
+ * text would take much memory. There is one function and context for all of them. */
+typedef void cli_later(const void *context, size_t number);
+void cli_say_later(cli_later *say, const void *context, size_t number);
+
 /* A formatted text in memory of cli_alloc. */
 char *cli_text(const char *format, ...) CLI_PRINTF(1, 2);
 
@@ -51,6 +56,10 @@ void *cli_alloc(size_t count, size_t size);
  * is freed when the program ends. */
 void *cli_resize(void *memory, size_t count, size_t size);
 void cli_free(void *memory);
+
+/* The same as cli_alloc for little memory that is never resized or freed by itself. Many
+ * pieces share a block. */
+void *cli_keep(size_t size);
 
 /* Reads the decimal number at the begin of a text. If it is not finite and within
  * rigcal_real, *problem says what is wrong. Returns where the number ends. */

@@ -20,7 +20,8 @@ enum {
 typedef struct {
     rigcal_estimated is;
     rigcal_intrinsics_change *made, *change, *sigma;
-    rigcal_camera *nominal; /* for each camera of the rig: as cameras.csv has it */
+    rigcal_view_pose *poses; /* of the views of the rig, as they are solved anew */
+    rigcal_camera *nominal;  /* for each camera of the rig: as cameras.csv has it */
 } estimate;
 
 /* Solves the pose of the view by itself again, with its camera as it is now. */
@@ -53,18 +54,19 @@ static void solve_again(const calibration *c, view *v, rigcal_view_pose *pose)
  * them. */
 static void change_cameras(calibration *c, const estimate *e)
 {
-    rigcal_view_pose *poses = cli_alloc(c->rig.n_views, sizeof *poses);
     size_t i;
 
     memcpy(e->made, e->change, c->rig.n_cameras * sizeof *e->made);
-    memcpy(poses, c->rig.view_poses, c->rig.n_views * sizeof *poses);
+    for (i = 0; i < c->rig.n_views && c->rig.view_poses == NULL; i++) {
+        e->poses[i] = pose_in_rig(c, i);
+    }
+    c->rig.view_poses = e->poses;
     for (i = 0; i < c->rig.n_cameras; i++) {
         rigcal_camera_change(&c->cameras.camera[c->camera[i]], &e->nominal[i], &e->made[i]);
     }
     for (i = 0; i < c->rig.n_views; i++) {
-        solve_again(c, &c->views[c->view_of[i]], &poses[i]);
+        solve_again(c, &c->views[c->view_of[i]], &e->poses[i]);
     }
-    c->rig.view_poses = poses;
 }
 
 static void begin(estimate *e, calibration *c)
@@ -80,6 +82,7 @@ static void begin(estimate *e, calibration *c)
     e->is.considered.effects =
         cli_alloc(e->is.considered.capacity, sizeof *e->is.considered.effects);
     e->nominal = cli_alloc(n, sizeof *e->nominal);
+    e->poses = cli_alloc(c->rig.n_views, sizeof *e->poses);
     for (i = 0; i < n; i++) {
         e->nominal[i] = c->cameras.camera[c->camera[i]];
     }

@@ -149,7 +149,7 @@ static void pair_anew(calibration *c)
         }
     }
     for (i = 0; i < c->n_views; i++) {
-        c->views[i].placement = number[moment_of[i]];
+        c->views[i].placement = (uint32_t)number[moment_of[i]];
     }
     c->rig.n_placements = n;
     cli_free(moments);
@@ -268,8 +268,8 @@ static void place_all(const calibration *c)
         if (!is_placed &&
             rigcal_transform_invert(&rig_from_cam, &rig->cams_from_rig[v->rig_camera]) >=
                 0 &&
-            rigcal_transform_compose(&placed, &rig_from_cam,
-                                     &rig->view_poses[first].cam_from_target) >= 0) {
+            rigcal_transform_compose(&placed, &rig_from_cam, &v->poses[0].cam_from_world) >=
+                0) {
             rig->rig_from_placements[v->placement] = placed;
         }
     }

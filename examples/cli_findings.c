@@ -18,24 +18,68 @@ finding *find(calibration *c, finding_rank rank, const char *what, const char *a
     f = &list[c->n_findings];
     memset(f, 0, sizeof *f);
     f->rank = rank;
-    f->number = c->n_findings++;
+    f->number = c->n_findings++ + c->n_troubles;
     f->what = what;
     f->advice = advice;
     c->exit_status = CLI_GEOMETRY;
     return f;
 }
 
-void say_of_view(calibration *c, const view *v, const char *what)
+char *trouble_text(const calibration *c, const view_trouble *t)
 {
-    const int exit_status = c->exit_status;
-    finding *f;
+    const char *camera = c->cameras.names.name[t->camera];
+    const char *frame = c->observations.frames.name[t->frame];
+    const char *status = rigcal_status_text((rigcal_status)t->status);
 
-    cli_say("%s", what);
-    f = find(c, ABOUT_VIEW, what, "");
-    f->cameras = view_camera_name(c, v);
-    f->frames = view_frame_name(c, v);
-    f->is_said = 1;
-    c->exit_status = exit_status;
+    switch (t->kind) {
+    case TROUBLE_TOO_FEW:
+        return cli_text("camera %s has no pose in frame %s: it sees %lu point%s there, and "
+                        "a pose takes 3 at least",
+                        camera, frame, (unsigned long)t->n, t->n == 1 ? "" : "s");
+    case TROUBLE_POINT:
+        return cli_text("camera %s has no pose in frame %s because of point %s: %s", camera,
+                        frame, c->observations.points.name[t->n], status);
+    case TROUBLE_NO_POSE:
+        return cli_text("camera %s has no pose in frame %s: %s", camera, frame, status);
+    case TROUBLE_CAVEAT:
+        return cli_text("camera %s in frame %s, %.3g px rms: %s", camera, frame,
+                        (double)t->rms_px, status);
+    default:
+        return cli_text("camera %s in frame %s is left out of the rig: %s", camera, frame,
+                        status);
+    }
+}
+
+static void say_trouble(const void *context, size_t number)
+{
+    const calibration *c = context;
+    char *text = trouble_text(c, &c->troubles[number]);
+
+    cli_say("%s", text);
+    cli_free(text);
+}
+
+void say_of_view(calibration *c, const view *v, trouble_kind kind, rigcal_status status,
+                 size_t point)
+{
+    view_trouble *list = c->troubles;
+    view_trouble *t;
+
+    if (c->n_troubles == c->room_for_troubles) {
+        c->room_for_troubles += c->room_for_troubles / 2 + 64;
+        list = list == NULL ? cli_alloc(c->room_for_troubles, sizeof *list)
+                            : cli_resize(list, c->room_for_troubles, sizeof *list);
+        c->troubles = list;
+    }
+    t = &list[c->n_troubles];
+    t->number = (uint32_t)(c->n_findings + c->n_troubles);
+    t->camera = v->camera;
+    t->frame = v->frame;
+    t->n = kind == TROUBLE_POINT ? (uint32_t)point : v->n;
+    t->rms_px = kind == TROUBLE_CAVEAT ? view_taken(v)->rms_px : 0;
+    t->status = (int16_t)status;
+    t->kind = (uint8_t)kind;
+    cli_say_later(say_trouble, c, c->n_troubles++);
 }
 
 static int compare_findings(const void *va, const void *vb)
@@ -67,7 +111,7 @@ void tell_findings(calibration *c)
     for (i = 0; i < c->n_findings; i++) {
         const finding *f = &c->findings[i];
 
-        if (f->is_said || is_finding_told(c, f)) {
+        if (is_finding_told(c, f)) {
             continue;
         }
         if (n++ < TOLD_MOST) {

@@ -102,12 +102,57 @@ static int compare(size_t a, size_t b)
     return (a > b) - (a < b);
 }
 
+size_t cli_point(const cli_observations *observations, const cli_observation *o)
+{
+    return observations->X != NULL ? observations->point_of[o->place] : o->place;
+}
+
+const rigcal_real *cli_X(const cli_observations *observations, const cli_observation *o)
+{
+    static const rigcal_real NOT_READ[3] = {0, 0, 0};
+
+    return observations->X != NULL ? observations->X[o->place] : NOT_READ;
+}
+
+rigcal_observation cli_seen(const cli_observations *observations, const cli_observation *o)
+{
+    rigcal_observation seen;
+
+    memcpy(seen.X_w, cli_X(observations, o), sizeof seen.X_w);
+    memcpy(seen.uv, o->uv, sizeof seen.uv);
+    return seen;
+}
+
+rigcal_real cli_sigma_of(const cli_observations *observations, const cli_observation *o)
+{
+    const cli_line_of_row *from = observations->lines;
+    size_t n = observations->n_lines;
+
+    if (observations->sigma == NULL) {
+        return 1;
+    }
+    while (n > 1) { /* the line is one of the n from here on */
+        const size_t half = n / 2;
+
+        if (from[half].line <= o->line) {
+            from += half;
+            n -= half;
+        } else {
+            n = half;
+        }
+    }
+    return observations->sigma[from->row + (o->line - from->line)];
+}
+
+/* qsort hands nothing to what compares. */
+static const cli_observations *sorted;
+
 static int by_point(const void *left, const void *right)
 {
     const cli_observation *a = left, *b = right;
     int order = compare(a->frame, b->frame);
 
-    order = order != 0 ? order : compare(a->point, b->point);
+    order = order != 0 ? order : compare(cli_point(sorted, a), cli_point(sorted, b));
     order = order != 0 ? order : compare(a->camera, b->camera);
     return order != 0 ? order : compare(a->line, b->line);
 }
@@ -123,6 +168,7 @@ static int by_view(const void *left, const void *right)
 
 void cli_observations_by_view(cli_observations *observations)
 {
+    cli_names_close(&observations->frames);
     qsort(observations->list, observations->count, sizeof *observations->list, by_view);
 }
 
@@ -143,16 +189,17 @@ static const contradiction TWICE = {"of this camera and frame is",
 static const contradiction ELSEWHERE = {"has other coordinates X, Y, Z",
                                         ": within a frame a point has one place"};
 
-static const contradiction *find_contradiction(const cli_observation *a,
+static const contradiction *find_contradiction(const cli_observations *observations,
+                                               const cli_observation *a,
                                                const cli_observation *b)
 {
-    if (a->frame != b->frame || a->point != b->point) {
+    if (a->frame != b->frame || cli_point(observations, a) != cli_point(observations, b)) {
         return NULL;
     }
     if (a->camera == b->camera) {
         return &TWICE;
     }
-    return same_place(a->seen.X_w, b->seen.X_w) ? NULL : &ELSEWHERE;
+    return same_place(cli_X(observations, a), cli_X(observations, b)) ? NULL : &ELSEWHERE;
 }
 
 /* Sums of products of coordinates, axis by axis, over the points that two cameras saw in a
@@ -210,8 +257,8 @@ static void name_other_coordinates(const cli_observations *observations,
         if (o->frame == a->frame && o->camera == a->camera) {
             last_a = o;
         } else if (o->frame == a->frame && o->camera == b->camera && last_a != NULL &&
-                   last_a->point == o->point) {
-            add_products(&p, last_a->seen.X_w, o->seen.X_w);
+                   cli_point(observations, last_a) == cli_point(observations, o)) {
+            add_products(&p, cli_X(observations, last_a), cli_X(observations, o));
         }
     }
     factor = factor_between(&is_mirrored, &p);
@@ -241,13 +288,14 @@ static void check_contradictions(const cli_observations *observations,
     for (i = 1; i < observations->count; i++) {
         const size_t a = list[i - 1].line, b = list[i].line;
         const size_t later = a > b ? a : b;
-        const contradiction *found = find_contradiction(&list[i - 1], &list[i]);
+        const contradiction *found =
+            find_contradiction(observations, &list[i - 1], &list[i]);
 
         if (found != NULL && (first == NULL || later < at)) {
             first = found;
             at = later;
             other = a > b ? b : a;
-            point = list[i].point;
+            point = cli_point(observations, &list[i]);
             number = i;
         }
     }
@@ -283,7 +331,7 @@ size_t cli_find_camera(const cli_cameras *cameras, const csv_table *table, size_
 static int is_outside(const cli_observation *o, const cli_cameras *cameras)
 {
     const rigcal_camera *camera = &cameras->camera[o->camera];
-    const rigcal_real *uv = o->seen.uv;
+    const rigcal_real *uv = o->uv;
 
     return uv[0] < (rigcal_real)-0.5 || uv[1] < (rigcal_real)-0.5 ||
            uv[0] > (rigcal_real)camera->width - (rigcal_real)0.5 ||
@@ -305,26 +353,77 @@ static void tell_outside(const cli_observations *observations, const cli_cameras
         }
     }
     if (first != NULL) {
-        cli_say("%s: %lu pixel%s outside the image, the first on line %lu: "
-                "(%.6g, %.6g) of camera %s, %ld x %ld. Check u, v, width and height",
-                observations->table.path, (unsigned long)count,
-                count == 1 ? " is" : "s are", (unsigned long)first->line,
-                (double)first->seen.uv[0], (double)first->seen.uv[1],
-                cameras->names.name[first->camera],
-                (long)cameras->camera[first->camera].width,
-                (long)cameras->camera[first->camera].height);
+        cli_say(
+            "%s: %lu pixel%s outside the image, the first on line %lu: "
+            "(%.6g, %.6g) of camera %s, %ld x %ld. Check u, v, width and height",
+            observations->table.path, (unsigned long)count, count == 1 ? " is" : "s are",
+            (unsigned long)first->line, (double)first->uv[0], (double)first->uv[1],
+            cameras->names.name[first->camera], (long)cameras->camera[first->camera].width,
+            (long)cameras->camera[first->camera].height);
     }
 }
 
-/* Adds an observation at the end of the list. */
-static cli_observation *add_observation(cli_observations *observations, size_t *room)
+/* What is only needed while they are read. */
+typedef struct {
+    size_t room, room_for_places, room_for_points, room_for_sigma;
+    uint32_t *latest; /* for each point: its place on the last line with it */
+} reading;
+
+/* Memory of cli_alloc, or NULL, in which number n is to be written. */
+static void *with_room(void *memory, size_t n, size_t *room, size_t size)
 {
-    if (observations->count == *room) {
-        *room += *room / 2 + 1024;
-        observations->list =
-            cli_resize(observations->list, *room, sizeof *observations->list);
+    if (memory != NULL && n < *room) {
+        return memory;
     }
+    *room = n + n / 2 + 1024;
+    return memory == NULL ? cli_alloc(*room, size) : cli_resize(memory, *room, size);
+}
+
+/* Adds an observation at the end of the list. */
+static cli_observation *add_observation(cli_observations *observations, reading *r)
+{
+    observations->list = with_room(observations->list, observations->count, &r->room,
+                                   sizeof *observations->list);
     return &observations->list[observations->count++];
+}
+
+/* Whether X is the same, to the sign of a zero. */
+static int is_repeated(const rigcal_real before[3], const rigcal_real X[3])
+{
+    int k;
+
+    for (k = 0; k < 3; k++) {
+        if ((signbit(before[k]) != 0) != (signbit(X[k]) != 0)) {
+            return 0;
+        }
+    }
+    return same_place(before, X);
+}
+
+/* The place of a point. A point that moves between lines gets a new one. */
+static uint32_t add_place(cli_observations *observations, reading *r, size_t point,
+                          const rigcal_real X[3])
+{
+    const uint32_t none = UINT32_MAX;
+    const size_t before = r->room_for_points;
+    const size_t n = observations->n_places;
+    size_t i;
+
+    r->latest = with_room(r->latest, point, &r->room_for_points, sizeof *r->latest);
+    for (i = before; i < r->room_for_points; i++) {
+        r->latest[i] = none;
+    }
+    if (r->latest[point] != none && is_repeated(observations->X[r->latest[point]], X)) {
+        return r->latest[point];
+    }
+    i = r->room_for_places;
+    observations->X = with_room(observations->X, n, &i, sizeof *observations->X);
+    observations->point_of = with_room(observations->point_of, n, &r->room_for_places,
+                                       sizeof *observations->point_of);
+    memcpy(observations->X[n], X, sizeof *observations->X);
+    observations->point_of[n] = (uint32_t)point;
+    observations->n_places++;
+    return r->latest[point] = (uint32_t)n;
 }
 
 /* Reads the relative noise of a line. It must be within the range that rigcal_view
@@ -341,9 +440,28 @@ static rigcal_real read_sigma(const csv_table *table, size_t column)
     return (rigcal_real)sigma;
 }
 
+/* Adds the relative noise of a line, and notes whether blank lines are before it. */
+static void add_sigma(cli_observations *observations, reading *r, const cli_observation *o,
+                      size_t column)
+{
+    const size_t row = observations->count - 1, n = observations->n_lines;
+    const cli_line_of_row *last = n > 0 ? &observations->lines[n - 1] : NULL;
+
+    observations->sigma = with_room(observations->sigma, row, &r->room_for_sigma,
+                                    sizeof *observations->sigma);
+    observations->sigma[row] = read_sigma(&observations->table, column);
+    if (last == NULL || o->line - last->line != row - last->row) {
+        observations->lines =
+            with_room(observations->lines, n, &observations->room_for_lines,
+                      sizeof *observations->lines);
+        observations->lines[n].line = o->line;
+        observations->lines[n].row = (uint32_t)row;
+        observations->n_lines++;
+    }
+}
+
 /* Reads column turned of a line. All lines of a point must have the same number. */
-static void read_turned(cli_observations *observations, const cli_observation *o,
-                        size_t column)
+static void read_turned(cli_observations *observations, size_t point, size_t column)
 {
     const csv_table *table = &observations->table;
     const char *name = csv_id(table, 0, column);
@@ -363,13 +481,13 @@ static void read_turned(cli_observations *observations, const cli_observation *o
             observations->turned[i] = CLI_NOT_TURNED;
         }
     }
-    if (observations->turned[o->point] != CLI_NOT_TURNED &&
-        observations->turned[o->point] != to) {
+    if (observations->turned[point] != CLI_NOT_TURNED &&
+        observations->turned[point] != to) {
         csv_fail(table, 0, "column turned: point %s is %s here, and %s on a line before",
-                 observations->points.name[o->point], name,
-                 observations->points.name[observations->turned[o->point]]);
+                 observations->points.name[point], name,
+                 observations->points.name[observations->turned[point]]);
     }
-    observations->turned[o->point] = to;
+    observations->turned[point] = to;
 }
 
 static void read_observations(cli_observations *observations, const cli_cameras *cameras,
@@ -387,10 +505,13 @@ static void read_observations(cli_observations *observations, const cli_cameras 
     const size_t u = csv_column(table, "u"), v = csv_column(table, "v");
     const size_t sigma = columns & CLI_SIGMAS ? csv_column(table, "sigma_px") : CSV_NONE;
     const size_t turned = targets ? csv_optional(table, "turned") : CSV_NONE;
-    size_t room = 0;
+    reading r;
 
+    memset(&r, 0, sizeof r);
     while (csv_next(table)) {
-        cli_observation *o = add_observation(observations, &room);
+        cli_observation *o = add_observation(observations, &r);
+        rigcal_real place[3];
+        size_t number;
 
         if (table->lines[0] > UINT32_MAX) {
             csv_fail(table, 0, "the file has more lines than can be counted");
@@ -398,20 +519,28 @@ static void read_observations(cli_observations *observations, const cli_cameras 
         o->line = (uint32_t)table->lines[0];
         o->frame = (uint32_t)cli_names_add(&observations->frames, csv_id(table, 0, frame));
         o->camera = (uint32_t)cli_find_camera(cameras, table, 0, camera);
-        o->point = (uint32_t)cli_names_add(&observations->points, csv_id(table, 0, point));
-        o->seen.X_w[0] = csv_real(table, 0, X);
-        o->seen.X_w[1] = csv_real(table, 0, Y);
-        o->seen.X_w[2] = csv_real(table, 0, Z);
-        o->seen.uv[0] = csv_real(table, 0, u);
-        o->seen.uv[1] = csv_real(table, 0, v);
-        o->sigma = sigma == CSV_NONE ? 1 : read_sigma(table, sigma);
+        number = cli_names_add(&observations->points, csv_id(table, 0, point));
+        place[0] = csv_real(table, 0, X);
+        place[1] = csv_real(table, 0, Y);
+        place[2] = csv_real(table, 0, Z);
+        o->place = targets ? add_place(observations, &r, number, place) : (uint32_t)number;
+        o->uv[0] = csv_real(table, 0, u);
+        o->uv[1] = csv_real(table, 0, v);
+        if (sigma != CSV_NONE) {
+            add_sigma(observations, &r, o, sigma);
+        }
         if (turned != CSV_NONE) {
-            read_turned(observations, o, turned);
+            read_turned(observations, number, turned);
         }
         if (o->line % SHOWN == 0) {
             cli_progress(o->line, "reading %s, line %lu", table->path,
                          (unsigned long)o->line);
         }
+    }
+    if (r.latest != NULL) {
+        cli_free(r.latest);
+        observations->X =
+            cli_resize(observations->X, observations->n_places, sizeof *observations->X);
     }
 }
 
@@ -431,12 +560,12 @@ static void divide_by_usual_sigma(cli_observations *observations)
     size_t i;
 
     for (i = 0; i < count; i++) {
-        list[i] = observations->list[i].sigma;
+        list[i] = observations->sigma[i];
     }
     qsort(list, count, sizeof *list, by_value);
     usual = list[count / 2];
     for (i = 0; i < count; i++) {
-        rigcal_real *sigma = &observations->list[i].sigma;
+        rigcal_real *sigma = &observations->sigma[i];
 
         *sigma = (rigcal_real)fmin(fmax((double)(*sigma / usual), 1e-6), 1e6);
     }
@@ -448,14 +577,11 @@ void cli_observations_read(cli_observations *observations, const char *path,
 {
     csv_table *table = &observations->table;
 
+    memset(observations, 0, sizeof *observations);
     csv_open(table, path);
     table->form = "observations.csv";
     cli_names_open(&observations->frames);
     cli_names_open(&observations->points);
-    observations->count = 0;
-    observations->turned = NULL;
-    observations->room_turned = 0;
-    observations->list = cli_alloc(1, sizeof *observations->list);
     observations->has_sigma = columns != 0 && csv_optional(table, "sigma_px") != CSV_NONE;
     read_observations(observations, cameras, columns);
     if (columns & CLI_SIGMAS) {
@@ -463,6 +589,8 @@ void cli_observations_read(cli_observations *observations, const char *path,
     }
     observations->list =
         cli_resize(observations->list, observations->count, sizeof *observations->list);
+    cli_names_close(&observations->points);
+    sorted = observations;
     qsort(observations->list, observations->count, sizeof *observations->list, by_point);
     check_contradictions(observations, cameras);
     tell_outside(observations, cameras);

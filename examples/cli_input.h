@@ -23,6 +23,9 @@ void cli_names_open(cli_names *names);
 size_t cli_names_find(const cli_names *names, const char *name);
 size_t cli_names_add(cli_names *names, const char *name);
 
+/* Gives back memory that only finding and adding need. Neither is possible any more. */
+void cli_names_close(cli_names *names);
+
 /* Names look alike if they differ only in case, in zeros before a number, in invisible
  * blanks, or as numbers of one value. cli_look_alike compares two names. The next one
  * returns a known name that looks like this one, or NULL. The last prints a message for
@@ -46,23 +49,45 @@ size_t cli_find_camera(const cli_cameras *cameras, const csv_table *table, size_
 /* There may be millions of observations, so the numbers in them are as small as
  * possible. */
 typedef struct {
-    rigcal_observation seen;
-    rigcal_real sigma;             /* 1, unless column sigma_px is read */
-    uint32_t frame, camera, point; /* numbers of their names */
-    uint32_t line;                 /* of the file */
+    rigcal_real uv[2];
+    uint32_t frame, camera; /* numbers of their names */
+    uint32_t place;         /* see cli_point and cli_X */
+    uint32_t line;          /* of the file */
 } cli_observation;
+
+/* A line after which no blank line was left out, until the next such line. */
+typedef struct {
+    uint32_t line, row; /* rows are counted from 0, without blank lines */
+} cli_line_of_row;
 
 typedef struct {
     csv_table table; /* the rows are not kept */
     cli_names frames, points;
     cli_observation *list;
     size_t count;
-    int has_sigma;    /* with CLI_TARGETS: whether there is a column sigma_px */
+
+    /* A place is a point with its X, Y, Z. Lines that repeat them share it. */
+    rigcal_real (*X)[3]; /* of each place; NULL: X, Y, Z are not read, a place is a point */
+    uint32_t *point_of;  /* of each place: the number of the point */
+    size_t n_places;
+
+    int has_sigma;      /* with CLI_TARGETS: whether there is a column sigma_px */
+    rigcal_real *sigma; /* of each row; NULL: all are 1 */
+    cli_line_of_row *lines;
+    size_t n_lines, room_for_lines;
+
     uint32_t *turned; /* for each point: the point that it becomes if the target is read
                          from its next side; NULL: there is no column turned */
     size_t room_turned;
 } cli_observations;
 #define CLI_NOT_TURNED UINT32_MAX
+
+/* Of an observation: the number of its point's name; X, Y, Z; the same with its pixel; the
+ * relative noise. */
+size_t cli_point(const cli_observations *observations, const cli_observation *o);
+const rigcal_real *cli_X(const cli_observations *observations, const cli_observation *o);
+rigcal_observation cli_seen(const cli_observations *observations, const cli_observation *o);
+rigcal_real cli_sigma_of(const cli_observations *observations, const cli_observation *o);
 
 /* Sorted by frame, point, camera. `columns` may be CLI_TARGETS: X, Y, Z are read; and
  * CLI_SIGMAS: sigma_px is read too, must be there, and is divided by its median. */
@@ -70,7 +95,8 @@ enum { CLI_TARGETS = 1, CLI_SIGMAS = 2 };
 void cli_observations_read(cli_observations *observations, const char *path,
                            const cli_cameras *cameras, int columns);
 
-/* Sorts them by camera, frame and line, so that each view is together. */
+/* Sorts them by camera, frame and line, so that each view is together. No frame can be
+ * found by its name any more. */
 void cli_observations_by_view(cli_observations *observations);
 
 /* Transforms by name: rig.csv by camera, targets.csv by frame. */

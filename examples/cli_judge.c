@@ -83,7 +83,7 @@ void note_verdicts(calibration *c)
     for (i = 0; i < c->rig.n_views; i++) {
         view *v = &c->views[c->view_of[i]];
 
-        v->verdict = c->judged[i].verdict;
+        v->verdict = (int8_t)c->judged[i].verdict;
         v->is_left_out =
             v->verdict == RIGCAL_VIEW_CONTRADICTS || v->verdict == RIGCAL_VIEW_ONE_OF_TWO;
         v->in_rig = !v->is_left_out;
@@ -92,6 +92,8 @@ void note_verdicts(calibration *c)
             view_take(c, v, 1);
         }
     }
+    cli_free(c->judged);
+    c->judged = NULL;
     for (i = 0; i < c->n_views; i++) {
         view *v = &c->views[i];
 
@@ -156,19 +158,15 @@ static rigcal_status change_frame(calibration *c, size_t main_camera, int32_t *a
     return rigcal_rig_adjust(&c->judgement.fit, at_fault, rig);
 }
 
-/* If the adjustment fails, the rig remains that of the choice. */
-static int judge_views(calibration *c)
+/* If the adjustment fails, the rig remains that of the choice: `cameras`, `placements`. */
+static int judge_from(calibration *c, const rigcal_transform cameras[],
+                      const rigcal_transform placements[])
 {
     rigcal_rig *rig = &c->rig;
-    const size_t n_cameras = rig->n_cameras, n_placements = rig->n_placements;
-    rigcal_transform *cameras = cli_alloc(n_cameras, sizeof *cameras);
-    rigcal_transform *placements = cli_alloc(n_placements, sizeof *placements);
     uint8_t *left_out = cli_alloc(rig->n_views, sizeof *left_out);
     int32_t at_fault = -1;
     rigcal_status status;
 
-    memcpy(cameras, rig->cams_from_rig, n_cameras * sizeof *cameras);
-    memcpy(placements, rig->rig_from_placements, n_placements * sizeof *placements);
     status = judge_in_steps(c, left_out, &at_fault);
     if (status >= 0) {
         note_verdicts(c);
@@ -182,8 +180,9 @@ static int judge_views(calibration *c)
     }
     if (status < 0) {
         name_rig_trouble(c, "the rig is joined but not adjusted,", status, at_fault);
-        memcpy(rig->cams_from_rig, cameras, n_cameras * sizeof *cameras);
-        memcpy(rig->rig_from_placements, placements, n_placements * sizeof *placements);
+        memcpy(rig->cams_from_rig, cameras, rig->n_cameras * sizeof *cameras);
+        memcpy(rig->rig_from_placements, placements,
+               rig->n_placements * sizeof *placements);
         rig->left_out = NULL;
         return 1;
     }
@@ -197,6 +196,22 @@ static int judge_views(calibration *c)
     return 1;
 }
 
+static int judge_views(calibration *c)
+{
+    const rigcal_rig *rig = &c->rig;
+    const size_t n_cameras = rig->n_cameras, n_placements = rig->n_placements;
+    rigcal_transform *cameras = cli_alloc(n_cameras, sizeof *cameras);
+    rigcal_transform *placements = cli_alloc(n_placements, sizeof *placements);
+    int is_rig;
+
+    memcpy(cameras, rig->cams_from_rig, n_cameras * sizeof *cameras);
+    memcpy(placements, rig->rig_from_placements, n_placements * sizeof *placements);
+    is_rig = judge_from(c, cameras, placements);
+    cli_free(cameras);
+    cli_free(placements);
+    return is_rig;
+}
+
 int judge_rig(calibration *c)
 {
     int32_t at_fault = -1;
@@ -206,9 +221,11 @@ int judge_rig(calibration *c)
     for (i = 0; i < c->n_views; i++) {
         c->views[i].verdict = -1;
     }
-    c->choice.second_poses = c->second_poses;
-    c->choice.takes = cli_alloc(c->rig.n_views, sizeof *c->choice.takes);
-    c->judged = cli_alloc(c->rig.n_views, sizeof *c->judged);
+    c->choice.second_source = second_pose_at;
+    if (c->judged == NULL) {
+        c->choice.takes = cli_alloc(c->n_views, sizeof *c->choice.takes);
+        c->judged = cli_alloc(c->n_views, sizeof *c->judged);
+    }
     status = choose_poses(c, &at_fault);
     if (status == RIGCAL_ERR_CONTRADICTION) {
         find_contradiction(c);

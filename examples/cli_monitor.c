@@ -540,9 +540,9 @@ static void run_observations(watch *w, const char *path, const char *times_path)
         for (i = 0; i + 1 < frames[f].n; i++) {
             rigcal_status status;
 
-            if (seen[i].point == seen[i + 1].point &&
-                !take_match(w, seen[i].camera, seen[i].seen.uv, seen[i + 1].camera,
-                            seen[i + 1].seen.uv, &status)) {
+            if (cli_point(&o, &seen[i]) == cli_point(&o, &seen[i + 1]) &&
+                !take_match(w, seen[i].camera, seen[i].uv, seen[i + 1].camera,
+                            seen[i + 1].uv, &status)) {
                 cli_fail("%s:%lu: %s", path, (unsigned long)seen[i].line,
                          rigcal_status_text(status));
             }

@@ -97,6 +97,17 @@ size_t cli_names_add(cli_names *names, const char *name)
     return names->count - 1;
 }
 
+void cli_names_close(cli_names *names)
+{
+    if (names->slots == NULL) {
+        return;
+    }
+    cli_free(names->slots);
+    names->slots = NULL;
+    names->name = cli_resize(names->name, names->count, sizeof *names->name);
+    names->room = names->count;
+}
+
 /* ==== names that look alike =============================================== */
 
 /* Characters that a key leaves out: blanks, also invisible ones, and quotes. */

@@ -84,6 +84,7 @@ void name_left_out(const calibration *c, const char *folder)
             list = cli_alloc(v->n_seen, sizeof *list);
             count = list_left_out(list, c, v);
             unnamed += name_points(c, v, list, count);
+            cli_free(list);
         }
     }
     if (unnamed > 0 && folder != NULL) {
@@ -135,22 +136,25 @@ static void print_caveat(const view *v)
  * them there. *worst is the point that is farthest off. */
 static double rms_in_rig(const calibration *c, const view *v, left_out_point *worst)
 {
-    const residual *list = view_residuals_in_rig(c, v);
+    view_residuals of = residuals_in_rig(c, v);
     double sum = 0;
     size_t k;
 
     worst->error_px = -1;
     for (k = 0; k < v->n_seen; k++) {
+        residual r;
+
         if (view_leaves_out(v, k)) {
             continue;
         }
-        if (list == NULL || !list[k].is_known) {
+        r = next_residual(&of, c, k);
+        if (!r.is_known) {
             return -1;
         }
-        sum += (double)list[k].error_px * (double)list[k].error_px;
-        if ((double)list[k].error_px > worst->error_px) {
+        sum += (double)r.error_px * (double)r.error_px;
+        if ((double)r.error_px > worst->error_px) {
             worst->point = k;
-            worst->error_px = (double)list[k].error_px;
+            worst->error_px = (double)r.error_px;
         }
     }
     return sqrt(sum / (double)v->n);
@@ -363,16 +367,25 @@ typedef struct {
     const view *v;
     left_out_point worst;
     double rms_px;
-} view_residuals;
+} view_and_worst;
 
-static int compare_residuals(const void *va, const void *vb)
+/* Adds a view to the n with the largest residuals, of which at most `most` are kept. Of
+ * equal ones the first stays. Returns how many there are. */
+static size_t add_largest(view_and_worst list[], size_t n, size_t most,
+                          const view_and_worst *added)
 {
-    const view_residuals *a = va, *b = vb;
+    size_t i = n;
 
-    if (a->worst.error_px < b->worst.error_px || a->worst.error_px > b->worst.error_px) {
-        return a->worst.error_px < b->worst.error_px ? 1 : -1;
+    while (i > 0 && list[i - 1].worst.error_px < added->worst.error_px) {
+        if (i < most) {
+            list[i] = list[i - 1];
+        }
+        i--;
     }
-    return a->v < b->v ? -1 : a->v > b->v;
+    if (i < most) {
+        list[i] = *added;
+    }
+    return n < most ? n + 1 : most;
 }
 
 /* Prints the worst point of each view in which it is largest. */
@@ -381,20 +394,22 @@ static void print_largest(const calibration *c)
     enum { SHOWN = 5 };
     const int wide_camera = widest(&c->cameras.names);
     const int wide_frame = widest(&c->observations.frames);
-    view_residuals *list = cli_alloc(c->n_views, sizeof *list);
+    view_and_worst list[SHOWN];
     size_t i, n = 0;
 
     for (i = 0; i < c->n_views; i++) {
-        list[n].v = &c->views[i];
-        if (list[n].v->in_rig) {
-            list[n].rms_px = rms_in_rig(c, list[n].v, &list[n].worst);
-            n += list[n].rms_px >= 0;
+        view_and_worst added = {&c->views[i], {0, 0}, -1};
+
+        if (added.v->in_rig) {
+            added.rms_px = rms_in_rig(c, added.v, &added.worst);
+        }
+        if (added.rms_px >= 0) {
+            n = add_largest(list, n, SHOWN, &added);
         }
     }
-    qsort(list, n, sizeof *list, compare_residuals);
     printf("\n%-*s  %-*s  rig [px]  worst [px]  point\n", wide_camera, "camera", wide_frame,
            "frame");
-    for (i = 0; i < n && i < SHOWN; i++) {
+    for (i = 0; i < n; i++) {
         const view *v = list[i].v;
 
         printf("%-*s  %-*s  %8.3f  %10.3f  %s\n", wide_camera,

@@ -75,62 +75,25 @@ static void number_cameras(calibration *c)
 {
     size_t i;
 
-    c->camera = cli_alloc(c->n_views, sizeof *c->camera);
+    c->camera = cli_alloc(c->cameras.names.count, sizeof *c->camera);
     for (i = 0; i < c->n_views; i++) {
         view *v = &c->views[i];
 
         if (c->rig.n_cameras == 0 || c->camera[c->rig.n_cameras - 1] != v->camera) {
             c->camera[c->rig.n_cameras++] = v->camera;
         }
-        v->rig_camera = c->rig.n_cameras - 1;
+        v->rig_camera = (uint32_t)(c->rig.n_cameras - 1);
     }
-}
-
-/* Makes a view of the library from one of ours. Its points are gathered when they are
- * needed, so only one view at a time is in memory twice. */
-static void fill_view(rigcal_rig_view *seen, const calibration *c, const view *v)
-{
-    memset(seen, 0, sizeof *seen);
-    seen->view = view_points(c, v);
-    seen->camera = (int32_t)v->rig_camera;
-    seen->placement = (int32_t)v->placement;
-}
-
-static rigcal_status view_at(rigcal_rig_view *seen, size_t index, void *context)
-{
-    const calibration *c = context;
-
-    fill_view(seen, c, &c->views[c->view_of[index]]);
-    return RIGCAL_OK;
-}
-
-/* Makes the library's form of pose number `which` of the view; with n = 0 if there is no
- * such pose. */
-static rigcal_status make_pose(rigcal_view_pose *pose, const calibration *c, const view *v,
-                               size_t which)
-{
-    rigcal_rig_view seen;
-    rigcal_status status = RIGCAL_ERR_NO_POSE;
-
-    memset(pose, 0, sizeof *pose);
-    if (which < v->n_poses) {
-        fill_view(&seen, c, v);
-        status = rigcal_view_pose_make(pose, &seen, &v->poses[which].cam_from_world);
-    }
-    if (status != RIGCAL_OK) {
-        pose->n = 0;
-    }
-    return status;
 }
 
 static void gather_views(calibration *c)
 {
-    rigcal_view_pose *poses = cli_alloc(c->n_views, sizeof *poses);
-    rigcal_view_pose *second = cli_alloc(c->n_views, sizeof *second);
     place *places = cli_alloc(c->n_views, sizeof *places);
     size_t i, n = 0;
 
-    c->view_of = cli_alloc(c->n_views, sizeof *c->view_of);
+    if (c->view_of == NULL) {
+        c->view_of = cli_alloc(c->n_views, sizeof *c->view_of);
+    }
     for (i = 0; i < c->n_views; i++) {
         places[i].placement = c->views[i].placement;
         places[i].view = i;
@@ -138,26 +101,22 @@ static void gather_views(calibration *c)
     qsort(places, c->n_views, sizeof *places, compare_places);
     for (i = 0; i < c->n_views; i++) {
         view *v = &c->views[places[i].view];
-        const rigcal_status status = make_pose(&poses[n], c, v, 0);
+        rigcal_view_pose pose;
+        const rigcal_status status = make_pose(&pose, c, v, 0);
 
         v->in_rig = status == RIGCAL_OK;
         if (v->in_rig) {
-            make_pose(&second[n], c, v, 1);
-            v->rig_view = n;
-            c->view_of[n++] = places[i].view;
+            v->rig_view = (uint32_t)n;
+            c->view_of[n++] = (uint32_t)places[i].view;
         } else if (c->n_paired == 0) { /* otherwise the user has been told */
-            say_of_view(c, v,
-                        cli_text("camera %s in frame %s is left out of the rig: %s",
-                                 view_camera_name(c, v), view_frame_name(c, v),
-                                 rigcal_status_text(status)));
+            say_of_view(c, v, TROUBLE_LEFT_OUT, status, 0);
             c->exit_status = CLI_GEOMETRY;
         }
     }
     cli_free(places);
     c->rig.view_source = view_at;
     c->rig.context = c;
-    c->rig.view_poses = poses;
-    c->second_poses = second;
+    c->rig.view_pose_source = pose_at;
     c->rig.n_views = n;
 }
 
@@ -341,7 +300,7 @@ void find_noise(calibration *c)
     for (i = 0; i < c->rig.n_views; i++) {
         own += c->rig.left_out != NULL && c->rig.left_out[i]
                    ? 0
-                   : (double)c->rig.view_poses[i].sse;
+                   : (double)pose_in_rig(c, i).sse;
     }
     c->own_rms_px = sqrt(own / (double)fit->n_points);
     if (c->pose.sigma_px > 0) {
@@ -457,48 +416,37 @@ rigcal_transform view_in_rig(const calibration *c, const view *v)
     return pose;
 }
 
-/* With clocks, the residuals of a view are taken where the target is at the time of that
- * view. */
-static int put_residuals_by_clocks(residual list[], const calibration *c, const view *v)
+view_residuals residuals_in_rig(const calibration *c, const view *v)
 {
-    rigcal_real *duv = cli_alloc(2 * v->n, sizeof *duv);
-    size_t n, k, i = 0;
-    const rigcal_status status =
-        rigcal_rig_residuals(duv, 2 * v->n, &n, &c->rig, v->rig_view);
+    static rigcal_real *duv;
+    static size_t room;
+    view_residuals of = {v, view_in_rig(c, v), NULL, 0, 1};
 
-    for (k = 0; status == RIGCAL_OK && k < v->n_seen; k++) {
-        if (!view_leaves_out(v, k)) {
-            list[k].duv[0] = duv[2 * i];
-            list[k].duv[1] = duv[2 * i + 1];
-            list[k].error_px =
-                (rigcal_real)hypot((double)list[k].duv[0], (double)list[k].duv[1]);
-            i++;
+    if (c->rig.clocks != NULL && c->is_adjusted && v->in_rig) {
+        size_t n;
+
+        if (duv == NULL || 2 * (size_t)v->n > room) {
+            room = 2 * (size_t)v->n;
+            duv = duv == NULL ? cli_alloc(room, sizeof *duv)
+                              : cli_resize(duv, room, sizeof *duv);
         }
+        of.is_known =
+            rigcal_rig_residuals(duv, room, &n, &c->rig, v->rig_view) == RIGCAL_OK;
+        of.duv = duv;
     }
-    cli_free(duv);
-    return status == RIGCAL_OK;
+    return of;
 }
 
-const residual *view_residuals_in_rig(const calibration *c, const view *v)
+residual next_residual(view_residuals *of, const calibration *c, size_t k)
 {
-    static residual *list;
-    static size_t room;
-    const rigcal_transform pose = view_in_rig(c, v);
-    size_t k;
+    residual r;
 
-    if (v->n_seen > room) {
-        room = 2 * v->n_seen;
-        list = list == NULL ? cli_alloc(room, sizeof *list)
-                            : cli_resize(list, room, sizeof *list);
+    r.is_known = pose_residual(&r, c, of->v, k, &of->pose) && of->is_known;
+    if (of->is_known && of->duv != NULL && !view_leaves_out(of->v, k)) {
+        memcpy(r.duv, &of->duv[2 * of->n_counted++], sizeof r.duv);
+        r.error_px = (rigcal_real)hypot((double)r.duv[0], (double)r.duv[1]);
     }
-    for (k = 0; k < v->n_seen; k++) {
-        list[k].is_known = pose_residual(&list[k], c, v, k, &pose);
-    }
-    if (c->rig.clocks != NULL && c->is_adjusted && v->in_rig &&
-        !put_residuals_by_clocks(list, c, v)) {
-        return NULL;
-    }
-    return list;
+    return r;
 }
 
 /* Standard deviations of a pose with covariance Sigma: of the rotation, and of the centre,

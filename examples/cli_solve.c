@@ -4,7 +4,13 @@
 #include <math.h>
 #include <string.h>
 
-enum { ROBUST_LEAST = 5 }; /* points that rigcal_robust_solve takes */
+/* Points that a pose takes, and that rigcal_robust_solve takes. */
+enum { POSE_LEAST = 3, ROBUST_LEAST = 5 };
+
+/* By the published procedure, a view gives at most this many pairs. In a view of more than
+ * a quarter as many points, each point is in fewer pairs. Otherwise the pairs of a million
+ * points would take five times the memory of their lines. */
+enum { PAIRS_MOST = 16384 };
 
 /* At most this many views that fit badly are diagnosed. A view of 50 points takes about 3
  * ms, and if most views are bad, they have one cause. */
@@ -30,7 +36,7 @@ double length_of(const rigcal_real x[3])
 
 const char *view_point_name(const calibration *c, const view *v, size_t k)
 {
-    return c->observations.points.name[v->first[k].point];
+    return c->observations.points.name[cli_point(&c->observations, &v->first[k])];
 }
 
 int view_leaves_out(const view *v, size_t k)
@@ -51,11 +57,11 @@ int view_residual(residual *r, const calibration *c, const view *v, size_t k)
 int pose_residual(residual *r, const calibration *c, const view *v, size_t k,
                   const rigcal_transform *cam_from_target)
 {
-    const rigcal_observation *seen = &v->first[k].seen;
+    const cli_observation *seen = &v->first[k];
     rigcal_real X_c[3], uv[2];
 
     memset(r, 0, sizeof *r);
-    if (rigcal_transform_point(X_c, cam_from_target, seen->X_w) < 0 ||
+    if (rigcal_transform_point(X_c, cam_from_target, cli_X(&c->observations, seen)) < 0 ||
         rigcal_camera_project(uv, &c->cameras.camera[v->camera], X_c) < 0) {
         return 0;
     }
@@ -81,44 +87,228 @@ static rigcal_real distance_to_points(const rigcal_transform *cam_from_target,
     return (rigcal_real)length_of(X_c);
 }
 
-rigcal_view view_points(const calibration *c, const view *v)
-{
-    rigcal_view seen = {&c->cameras.camera[v->camera], c->observed, c->observed_sigma,
-                        v->n};
-    size_t i, n = 0;
+/* ==== the points of a view ================================================ */
 
-    for (i = 0; i < v->n_seen; i++) {
-        if (!view_leaves_out(v, i)) {
-            c->observed_at[n] = i;
-            if (c->observed_sigma != NULL) {
-                c->observed_sigma[n] = v->first[i].sigma;
-            }
-            c->observed[n++] = v->first[i].seen;
-        }
-    }
+static gathered_points *new_points(const calibration *c, size_t room)
+{
+    gathered_points *points = cli_alloc(1, sizeof *points);
+
+    points->room = room;
+    points->list = cli_alloc(room, sizeof *points->list);
+    points->sigma = c->is_weighing ? cli_alloc(room, sizeof *points->sigma) : NULL;
+    return points;
+}
+
+static rigcal_view view_with(const gathered_points *points, const calibration *c,
+                             const view *v)
+{
+    const rigcal_view seen = {&c->cameras.camera[v->camera], points->list, points->sigma,
+                              v->n};
+
     return seen;
 }
 
-static rigcal_status solve_by_paper(const calibration *c, view *v, const rigcal_view *seen,
-                                    int32_t *at_fault)
+static void gather(gathered_points *points, const calibration *c, const view *v)
 {
+    size_t i, n = 0;
+
+    if (v->n > points->room) {
+        points->room = v->n;
+        points->list = cli_resize(points->list, v->n, sizeof *points->list);
+        if (points->sigma != NULL) {
+            points->sigma = cli_resize(points->sigma, v->n, sizeof *points->sigma);
+        }
+    }
+    for (i = 0; i < v->n_seen; i++) {
+        if (!view_leaves_out(v, i)) {
+            if (points->sigma != NULL) {
+                points->sigma[n] = cli_sigma_of(&c->observations, &v->first[i]);
+            }
+            points->list[n++] = cli_seen(&c->observations, &v->first[i]);
+        }
+    }
+    points->of = 0;
+}
+
+rigcal_view view_points(const calibration *c, const view *v)
+{
+    gather(c->gathered, c, v);
+    return view_with(c->gathered, c, v);
+}
+
+static rigcal_rig_view in_rig(const rigcal_view *seen, const view *v)
+{
+    rigcal_rig_view of_rig;
+
+    memset(&of_rig, 0, sizeof of_rig);
+    of_rig.view = *seen;
+    of_rig.camera = (int32_t)v->rig_camera;
+    of_rig.placement = (int32_t)v->placement;
+    return of_rig;
+}
+
+rigcal_status view_at(rigcal_rig_view *seen, size_t index, void *context)
+{
+    const calibration *c = context;
+    const view *v = &c->views[c->view_of[index]];
+    const rigcal_view points = view_points(c, v);
+
+    c->gathered->of = 1 + c->view_of[index];
+    *seen = in_rig(&points, v);
+    return RIGCAL_OK;
+}
+
+/* What the best pose of a view of many points takes long to compute. It stands behind the
+ * poses of the view. In a view of few points it would be as large as their lines. */
+enum { MANY_POINTS = 8 };
+typedef struct {
+    rigcal_real information[21], sse;
+} known_information;
+
+static known_information *room_for_information(const view *v)
+{
+    return v->n >= MANY_POINTS ? (known_information *)(void *)(v->poses + v->n_poses)
+                               : NULL;
+}
+
+static void keep_poses(view *v, const rigcal_pose found[], size_t n_found)
+{
+    size_t size;
+
+    v->n_poses = (uint8_t)(n_found < POSES_KEPT ? n_found : POSES_KEPT);
+    size = v->n_poses * sizeof *v->poses;
+    v->poses = cli_keep(size + (v->n >= MANY_POINTS ? sizeof(known_information) : 0));
+    memcpy(v->poses, found, size);
+}
+
+/* Views that the library has got from view_at stay as they are. */
+static rigcal_status compute_pose(rigcal_view_pose *pose, const calibration *c,
+                                  const view *v, size_t which)
+{
+    const size_t of = 1 + (size_t)(v - c->views);
+    gathered_points *points = c->gathered;
+    rigcal_view seen;
+    rigcal_rig_view of_rig;
+
+    if (points->of != 0 && points->of != of) {
+        points = c->aside;
+    }
+    if (points->of != of) {
+        gather(points, c, v);
+        points->of = of;
+    }
+    seen = view_with(points, c, v);
+    of_rig = in_rig(&seen, v);
+    return rigcal_view_pose_make(pose, &of_rig, &v->poses[which].cam_from_world);
+}
+
+rigcal_status make_pose(rigcal_view_pose *pose, const calibration *c, view *v, size_t which)
+{
+    known_information *known = which == 0 ? room_for_information(v) : NULL;
+    rigcal_status status = RIGCAL_OK;
+
+    memset(pose, 0, sizeof *pose);
+    if (which >= v->n_poses) {
+        return RIGCAL_ERR_NO_POSE;
+    }
+    if (known != NULL && v->has_information) {
+        pose->cam_from_target = v->poses[0].cam_from_world;
+        memcpy(pose->information, known->information, sizeof pose->information);
+        pose->sse = known->sse;
+        pose->n = v->n;
+        pose->camera = (int32_t)v->rig_camera;
+        pose->placement = (int32_t)v->placement;
+        return RIGCAL_OK;
+    }
+    status = compute_pose(pose, c, v, which);
+    if (status != RIGCAL_OK) {
+        pose->n = 0;
+    } else if (known != NULL) {
+        memcpy(known->information, pose->information, sizeof pose->information);
+        known->sse = pose->sse;
+        v->has_information = 1;
+    }
+    return status;
+}
+
+rigcal_status pose_at(rigcal_view_pose *pose, size_t index, void *context)
+{
+    const calibration *c = context;
+
+    return make_pose(pose, c, &c->views[c->view_of[index]], 0);
+}
+
+rigcal_status second_pose_at(rigcal_view_pose *pose, size_t index, void *context)
+{
+    const calibration *c = context;
+
+    make_pose(pose, c, &c->views[c->view_of[index]], 1);
+    return RIGCAL_OK;
+}
+
+rigcal_view_pose pose_in_rig(const calibration *c, size_t index)
+{
+    rigcal_view_pose pose;
+
+    if (c->rig.view_poses != NULL) {
+        return c->rig.view_poses[index];
+    }
+    make_pose(&pose, c, &c->views[c->view_of[index]], 0);
+    return pose;
+}
+
+/* ==== one pose ============================================================ */
+
+/* The bearings of the points that count. Gathers only some of the points at a time. */
+static rigcal_status find_bearings(rigcal_bearing bearings[], const calibration *c,
+                                   const view *v, int32_t *at_fault)
+{
+    enum { PART = 256 };
+    rigcal_observation part[PART];
+    rigcal_view seen = {&c->cameras.camera[v->camera], part, NULL, 0};
+    rigcal_status status = RIGCAL_ERR_TOO_FEW;
+    size_t k, n = 0;
+
+    for (k = 0; k < v->n_seen; k++) {
+        if (!view_leaves_out(v, k)) {
+            part[seen.n++] = cli_seen(&c->observations, &v->first[k]);
+        }
+        if (seen.n == PART || (seen.n > 0 && k + 1 == v->n_seen)) {
+            status = rigcal_bearings_of_view(bearings + n, at_fault, &seen);
+            if (status < 0) {
+                *at_fault += *at_fault >= 0 ? (int32_t)n : 0;
+                return status;
+            }
+            n += seen.n;
+            seen.n = 0;
+        }
+    }
+    return status;
+}
+
+static rigcal_status solve_by_paper(const calibration *c, const view *v, int32_t *at_fault)
+{
+    rigcal_bearing *bearings = cli_alloc(v->n, sizeof *bearings);
     rigcal_paper_pose pose;
     size_t n_pairs = 0;
     rigcal_status status, measured;
+    rigcal_view seen;
 
-    status = rigcal_bearings_of_view(c->bearings, at_fault, seen);
+    status = find_bearings(bearings, c, v, at_fault);
     if (status >= 0) {
-        status = rigcal_pairs_choose(c->pairs, c->n_pairs, &n_pairs, c->bearings, seen->n);
+        status = rigcal_pairs_choose(c->pairs, c->n_pairs, &n_pairs, bearings, v->n);
     }
     if (status >= 0) {
-        status = rigcal_paper_solve(&pose, c->bearings, seen->n, c->pairs, n_pairs, NULL);
+        status = rigcal_paper_solve(&pose, bearings, v->n, c->pairs, n_pairs, NULL);
     }
+    cli_free(bearings);
     if (status < 0) {
         return status;
     }
-    v->n_poses = 1;
-    v->poses[0].cam_from_world = pose.cam_from_world;
-    measured = rigcal_view_rms(&v->poses[0].rms_px, NULL, seen, &pose.cam_from_world);
+    seen = view_points(c, v);
+    memset(c->found, 0, sizeof *c->found);
+    c->found[0].cam_from_world = pose.cam_from_world;
+    measured = rigcal_view_rms(&c->found[0].rms_px, NULL, &seen, &pose.cam_from_world);
     return measured < 0 ? measured : status;
 }
 
@@ -126,7 +316,7 @@ static rigcal_status solve_by_paper(const calibration *c, view *v, const rigcal_
 static void note_points(view *v)
 {
     if (v->agree == NULL) {
-        v->agree = cli_alloc(v->n_seen, sizeof *v->agree);
+        v->agree = cli_keep(v->n_seen * sizeof *v->agree);
         memset(v->agree, POINT_COUNTS, v->n_seen);
     }
 }
@@ -140,7 +330,7 @@ static void leave_out_unseen(const calibration *c, view *v)
     size_t i;
 
     for (i = 0; i < v->n_seen; i++) {
-        if (rigcal_camera_ray(ray, camera, v->first[i].seen.uv) == RIGCAL_ERR_NO_RAY) {
+        if (rigcal_camera_ray(ray, camera, v->first[i].uv) == RIGCAL_ERR_NO_RAY) {
             note_points(v);
             v->agree[i] = POINT_UNSEEN;
             v->n--;
@@ -173,23 +363,24 @@ static void name_unseen(const calibration *c, const view *v)
 }
 
 /* Solves with wrong points. Points that disagree do not count any more. */
-static rigcal_status solve_robustly(const calibration *c, view *v, const rigcal_view *seen,
-                                    int32_t *at_fault)
+static rigcal_status solve_robustly(size_t *n_found, const calibration *c, view *v,
+                                    const rigcal_view *seen, int32_t *at_fault)
 {
-    uint8_t *agree = cli_alloc(v->n, sizeof *agree);
-    size_t n_agree, i;
+    size_t n_agree, k, i = 0;
     const rigcal_status status =
-        rigcal_robust_solve(v->poses, RIGCAL_POSES_MAX, &v->n_poses, agree, &n_agree,
+        rigcal_robust_solve(c->found, RIGCAL_POSES_MAX, n_found, c->agree, &n_agree,
                             at_fault, seen, &c->robust);
 
     if (status < 0) {
         return status;
     }
     note_points(v);
-    for (i = 0; i < v->n; i++) {
-        v->agree[c->observed_at[i]] = agree[i] ? POINT_COUNTS : POINT_DISAGREES;
+    for (k = 0; k < v->n_seen; k++) {
+        if (v->agree[k] == POINT_COUNTS) {
+            v->agree[k] = c->agree[i++] ? POINT_COUNTS : POINT_DISAGREES;
+        }
     }
-    v->n = n_agree;
+    v->n = (uint32_t)n_agree;
     return status;
 }
 
@@ -199,8 +390,8 @@ void view_take(const calibration *c, view *v, size_t pose)
     const rigcal_view seen = view_points(c, v);
     rigcal_pose_uncertainty u;
 
-    v->taken = pose;
-    v->distance = distance_to_points(cam_from_target, c->observed, v->n);
+    v->taken = (uint8_t)pose;
+    v->distance = distance_to_points(cam_from_target, seen.observations, v->n);
     v->has_sigma = !v->by_paper && rigcal_pose_covariance(&u, &seen, cam_from_target,
                                                           c->pose.sigma_px) == RIGCAL_OK;
     if (v->has_sigma) {
@@ -209,25 +400,40 @@ void view_take(const calibration *c, view *v, size_t pose)
     }
 }
 
+/* The number, among all points of the view, of the point that has this number among those
+ * that count. */
+static int32_t number_of_point(const view *v, int32_t that_counts)
+{
+    int32_t k = 0;
+
+    for (; view_leaves_out(v, (size_t)k) || that_counts-- > 0; k++) {
+    }
+    return k;
+}
+
 static rigcal_status solve(const calibration *c, view *v, int32_t *at_fault)
 {
-    const rigcal_view seen = view_points(c, v);
+    rigcal_view seen;
     rigcal_status status;
+    size_t n_found = 1;
 
-    v->by_paper = c->by_paper;
+    v->by_paper = c->by_paper != 0;
     if (v->by_paper) {
-        status = solve_by_paper(c, v, &seen, at_fault);
+        status = solve_by_paper(c, v, at_fault);
     } else if (c->is_robust && v->n >= ROBUST_LEAST) {
-        status = solve_robustly(c, v, &seen, at_fault);
+        seen = view_points(c, v);
+        status = solve_robustly(&n_found, c, v, &seen, at_fault);
     } else {
-        status = rigcal_pose_solve(v->poses, RIGCAL_POSES_MAX, &v->n_poses, at_fault, &seen,
+        seen = view_points(c, v);
+        status = rigcal_pose_solve(c->found, RIGCAL_POSES_MAX, &n_found, at_fault, &seen,
                                    &c->pose);
     }
     v->status = status;
-    if (*at_fault >= 0) {
-        *at_fault = (int32_t)c->observed_at[*at_fault];
+    if (status < 0 && *at_fault >= 0) {
+        *at_fault = number_of_point(v, *at_fault);
     }
     if (status >= 0) {
+        keep_poses(v, c->found, n_found);
         view_take(c, v, 0);
     }
     return status;
@@ -236,23 +442,18 @@ static rigcal_status solve(const calibration *c, view *v, int32_t *at_fault)
 /* Names a view that failed, or that has a caveat which the summary does not show. */
 static void name_trouble(calibration *c, const view *v, int32_t at_fault)
 {
-    const char *camera = view_camera_name(c, v), *frame = view_frame_name(c, v);
-    const char *text = rigcal_status_text(v->status), *what;
+    size_t point = 0;
+    trouble_kind kind = TROUBLE_CAVEAT;
 
     if (v->status == RIGCAL_ERR_TOO_FEW) {
-        what = cli_text("camera %s has no pose in frame %s: it sees %lu point%s there, and "
-                        "a pose takes 3 at least",
-                        camera, frame, (unsigned long)v->n, v->n == 1 ? "" : "s");
+        kind = TROUBLE_TOO_FEW;
     } else if (v->status < 0 && at_fault >= 0) {
-        what = cli_text("camera %s has no pose in frame %s because of point %s: %s", camera,
-                        frame, view_point_name(c, v, (size_t)at_fault), text);
+        kind = TROUBLE_POINT;
+        point = cli_point(&c->observations, &v->first[at_fault]);
     } else if (v->status < 0) {
-        what = cli_text("camera %s has no pose in frame %s: %s", camera, frame, text);
-    } else {
-        what = cli_text("camera %s in frame %s, %.3g px rms: %s", camera, frame,
-                        (double)view_taken(v)->rms_px, text);
+        kind = TROUBLE_NO_POSE;
     }
-    say_of_view(c, v, what);
+    say_of_view(c, v, kind, v->status, point);
 }
 
 /* Tells what the pose function returned for a view. A view without a pose is not kept. A
@@ -391,16 +592,20 @@ static int same_view(const cli_observation *a, const cli_observation *b)
     return a->camera == b->camera && a->frame == b->frame;
 }
 
-/* The number of views in the list, and the number of points of the largest. */
-static size_t count_views(const cli_observations *observations, size_t *most)
+/* The number of views in the list, the number of points of the largest, and the number of
+ * views that have points enough for a pose. */
+static size_t count_views(const cli_observations *observations, size_t *most,
+                          size_t *n_with_pose)
 {
     const cli_observation *list = observations->list;
     size_t begin = 0, end, n_views = 0;
 
     *most = 3;
+    *n_with_pose = 0;
     for (end = 1; end <= observations->count; end++) {
         if (end == observations->count || !same_view(&list[end - 1], &list[end])) {
             *most = end - begin > *most ? end - begin : *most;
+            *n_with_pose += end - begin >= POSE_LEAST;
             begin = end;
             n_views++;
         }
@@ -412,18 +617,19 @@ void solve_views(calibration *c)
 {
     const cli_observation *list = c->observations.list;
     const size_t count = c->observations.count;
-    size_t begin, end, most, n_done = 0;
-    const size_t n_views = count_views(&c->observations, &most);
+    size_t begin, end, most, n_with_pose, n_done = 0;
+    const size_t n_views = count_views(&c->observations, &most, &n_with_pose);
 
     if (c->by_paper) {
         c->n_pairs = rigcal_pairs_for(most);
+        c->n_pairs = c->n_pairs < PAIRS_MOST ? c->n_pairs : PAIRS_MOST;
         c->pairs = cli_alloc(c->n_pairs, sizeof *c->pairs);
-        c->bearings = cli_alloc(most, sizeof *c->bearings);
     }
-    c->observed = cli_alloc(most, sizeof *c->observed);
-    c->observed_at = cli_alloc(most, sizeof *c->observed_at);
-    c->observed_sigma = c->is_weighing ? cli_alloc(most, sizeof *c->observed_sigma) : NULL;
-    c->views = cli_alloc(n_views, sizeof *c->views);
+    c->gathered = new_points(c, c->by_paper ? 1 : most);
+    c->aside = new_points(c, 1);
+    c->found = cli_alloc(RIGCAL_POSES_MAX, sizeof *c->found);
+    c->agree = c->is_robust ? cli_alloc(most, sizeof *c->agree) : NULL;
+    c->views = cli_alloc(n_with_pose + 1, sizeof *c->views); /* and the one in work */
     for (begin = 0; begin < count; begin = end) {
         view v;
 

@@ -78,31 +78,57 @@ static void write_names(FILE *file, const char *names)
 
 /* ==== what was found ====================================================== */
 
-static void write_findings(FILE *file, const calibration *c)
+/* Writes the begin of a line about the rig, a camera or a view, up to what is wrong. */
+static void write_subject(FILE *file, const char **divider, finding_rank rank,
+                          const char *cameras, const char *frames)
 {
     static const char *const ABOUT[] = {"rig", "camera", "view"}; /* in the order of
                                                                      finding_rank */
+
+    fprintf(file, "%s\n    {\"about\": \"%s\", \"cameras\": ", *divider, ABOUT[rank]);
+    write_names(file, cameras);
+    fputs(", \"frames\": ", file);
+    write_names(file, frames);
+    fputs(",\n     \"what\": ", file);
+    *divider = ",";
+}
+
+static void write_trouble(FILE *file, const char **divider, const calibration *c,
+                          const view_trouble *trouble)
+{
+    char *text = trouble_text(c, trouble);
+
+    write_subject(file, divider, ABOUT_VIEW, c->cameras.names.name[trouble->camera],
+                  c->observations.frames.name[trouble->frame]);
+    write_text(file, text);
+    fputs(",\n     \"advice\": \"\"}", file);
+    cli_free(text);
+}
+
+/* Findings about the rig and the cameras come first. Those about views and the troubles of
+ * views follow in the order in which they were found. */
+static void write_findings(FILE *file, const calibration *c)
+{
     const char *divider = "";
-    size_t i;
+    size_t i, t = 0;
 
     write_key(file, "findings");
     fputc('[', file);
-    for (i = 0; i < c->n_findings; i++) {
-        const finding *f = &c->findings[i];
+    for (i = 0; i <= c->n_findings; i++) {
+        const finding *f = i < c->n_findings ? &c->findings[i] : NULL;
 
-        if (is_finding_told(c, f)) {
+        while (t < c->n_troubles && (f == NULL || (f->rank == ABOUT_VIEW &&
+                                                   c->troubles[t].number < f->number))) {
+            write_trouble(file, &divider, c, &c->troubles[t++]);
+        }
+        if (f == NULL || is_finding_told(c, f)) {
             continue;
         }
-        fprintf(file, "%s\n    {\"about\": \"%s\", \"cameras\": ", divider, ABOUT[f->rank]);
-        write_names(file, f->cameras);
-        fputs(", \"frames\": ", file);
-        write_names(file, f->frames);
-        fputs(",\n     \"what\": ", file);
+        write_subject(file, &divider, f->rank, f->cameras, f->frames);
         write_text(file, f->what);
         fputs(",\n     \"advice\": ", file);
         write_text(file, f->advice);
         fputc('}', file);
-        divider = ",";
     }
     fputc(']', file);
 }

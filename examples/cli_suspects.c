@@ -65,7 +65,7 @@ static int same_pixels(const view *a, const view *b)
         return 0;
     }
     for (i = 0; i < a->n_seen; i++) {
-        const rigcal_real *of_a = a->first[i].seen.uv, *of_b = b->first[i].seen.uv;
+        const rigcal_real *of_a = a->first[i].uv, *of_b = b->first[i].uv;
 
         if (!is_same(of_a[0], of_b[0]) || !is_same(of_a[1], of_b[1])) {
             return 0;
@@ -102,8 +102,8 @@ static size_t list_repetitions(repetition list[], calibration *c)
     for (i = 0; i < c->n_views; i++) {
         all[i].v = &c->views[i];
         for (k = 0; k < c->views[i].n_seen; k++) {
-            all[i].sum[0] += (double)c->views[i].first[k].seen.uv[0];
-            all[i].sum[1] += (double)c->views[i].first[k].seen.uv[1];
+            all[i].sum[0] += (double)c->views[i].first[k].uv[0];
+            all[i].sum[1] += (double)c->views[i].first[k].uv[1];
         }
     }
     qsort(all, c->n_views, sizeof *all, compare_pixels);

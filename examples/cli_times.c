@@ -172,7 +172,7 @@ static void sort_frames(known_times *times, cli_observations *observations)
     const size_t n = observations->frames.count;
     timed_frame *list = cli_alloc(n, sizeof *list);
     size_t *number = cli_alloc(n, sizeof *number);
-    cli_names sorted;
+    const char **sorted = cli_alloc(n, sizeof *sorted);
     size_t i, kept = 0;
 
     for (i = 0; i < n; i++) {
@@ -180,7 +180,6 @@ static void sort_frames(known_times *times, cli_observations *observations)
         list[i].frame = i;
     }
     qsort(list, n, sizeof *list, compare_times);
-    cli_names_open(&sorted);
     for (i = 0; i < n; i++) {
         if (i > 0 && !(list[i].time > list[i - 1].time)) {
             cli_fail("%s: frames %s and %s have the same time, %.9g: a time belongs to one "
@@ -188,8 +187,8 @@ static void sort_frames(known_times *times, cli_observations *observations)
                      times->path, observations->frames.name[list[i - 1].frame],
                      observations->frames.name[list[i].frame], list[i].time);
         }
-        number[list[i].frame] =
-            cli_names_add(&sorted, observations->frames.name[list[i].frame]);
+        number[list[i].frame] = i;
+        sorted[i] = observations->frames.name[list[i].frame];
         times->of_frame[i] = list[i].time;
     }
     for (i = 0; i < observations->count; i++) {
@@ -205,7 +204,9 @@ static void sort_frames(known_times *times, cli_observations *observations)
     }
     times->n_stamps = kept;
     qsort(times->stamps, kept, sizeof *times->stamps, compare_stamps);
-    observations->frames = sorted;
+    cli_names_close(&observations->frames);
+    memcpy(observations->frames.name, sorted, n * sizeof *sorted);
+    cli_free(sorted);
     cli_free(list);
     cli_free(number);
 }
@@ -268,8 +269,14 @@ static void stamps_of_frames(known_times *times, const cli_observations *observa
         }
         last = o;
     }
-    times->n_stamps = n;
     qsort(times->stamps, n, sizeof *times->stamps, compare_stamps);
+    times->n_stamps = 0;
+    for (i = 0; i < n; i++) {
+        if (i == 0 || compare_stamps(&times->stamps[i - 1], &times->stamps[i]) != 0) {
+            times->stamps[times->n_stamps++] = times->stamps[i];
+        }
+    }
+    times->stamps = cli_resize(times->stamps, times->n_stamps, sizeof *times->stamps);
 }
 
 /* ==== the options ============================================================= */

@@ -103,7 +103,7 @@ static size_t gather(triangulation *t, const cli_observation list[], size_t n)
 
         if (in_rig != CLI_UNKNOWN) {
             t->seen[count].camera = (int32_t)in_rig;
-            memcpy(t->seen[count].uv, list[i].seen.uv, sizeof t->seen[count].uv);
+            memcpy(t->seen[count].uv, list[i].uv, sizeof t->seen[count].uv);
             count++;
         }
     }
@@ -167,7 +167,7 @@ static void measure(triangulation *t, const cli_observation list[], size_t n,
 
     memset(&p, 0, sizeof p);
     m->frame = list[0].frame;
-    m->point = list[0].point;
+    m->point = cli_point(&t->observations, &list[0]);
     m->left_out = "";
     if (s.n < 2) {
         return;
@@ -200,7 +200,8 @@ static void measure_all(triangulation *t, const rigcal_calibrated_rig *rig,
     t->count = t->n_failed = t->n_poor = 0;
     for (begin = 0; begin < count; begin = end) {
         for (end = begin; end < count && list[end].frame == list[begin].frame &&
-                          list[end].point == list[begin].point;
+                          cli_point(&t->observations, &list[end]) ==
+                              cli_point(&t->observations, &list[begin]);
              end++) {
         }
         measure(t, list + begin, end - begin, rig, sigma_px);

@@ -38,15 +38,16 @@ static const cli_observation **places_of(const cli_observations *seen)
 
     for (i = 0; i < seen->count; i++) {
         const cli_observation *o = &seen->list[i];
-        const cli_observation **at = &place[o->point];
+        const size_t point = cli_point(seen, o);
+        const cli_observation **at = &place[point];
 
         *at = *at == NULL ? o : *at;
         for (k = 0; k < 3; k++) {
-            if (fabs((double)((*at)->seen.X_w[k] - o->seen.X_w[k])) > 0) {
+            if (fabs((double)(cli_X(seen, *at)[k] - cli_X(seen, o)[k])) > 0) {
                 csv_fail_line(&seen->table, o->line,
                               "column turned: point %s has other coordinates X, Y, Z on "
                               "line %lu: a target that is turned has one shape",
-                              seen->points.name[o->point], (unsigned long)(*at)->line);
+                              seen->points.name[point], (unsigned long)(*at)->line);
             }
         }
     }
@@ -109,22 +110,23 @@ static double axes_of(double axes[9], const rigcal_real a[3], const rigcal_real 
 }
 
 /* Where point p is. */
-static const rigcal_real *at_point(const cli_observation *const place[], size_t p)
+static const rigcal_real *at_point(const cli_observations *seen,
+                                   const cli_observation *const place[], size_t p)
 {
-    return place[p]->seen.X_w;
+    return cli_X(seen, place[p]);
 }
 
 /* The point that makes the largest triangle with a and b. If a == b, the point that is
  * farthest from a. */
-static size_t widest_with(const cli_observation *const place[], size_t n, size_t a,
-                          size_t b)
+static size_t widest_with(const cli_observations *seen,
+                          const cli_observation *const place[], size_t a, size_t b)
 {
     size_t p, best = a;
     double most = 0;
 
-    for (p = 0; p < n; p++) {
-        const rigcal_real *A = at_point(place, a), *B = at_point(place, b);
-        const rigcal_real *P = at_point(place, p);
+    for (p = 0; p < seen->points.count; p++) {
+        const rigcal_real *A = at_point(seen, place, a), *B = at_point(seen, place, b);
+        const rigcal_real *P = at_point(seen, place, p);
         double off = 0, along = 0, length = 0;
         int i;
 
@@ -147,17 +149,18 @@ static rigcal_transform turn_of(const cli_observations *seen,
                                 const cli_observation *const place[])
 {
     const size_t n = seen->points.count;
-    const size_t b = widest_with(place, n, 0, 0), c = widest_with(place, n, 0, b);
+    const size_t b = widest_with(seen, place, 0, 0), c = widest_with(seen, place, 0, b);
     const uint32_t *to = seen->turned;
     double from[9], onto[9];
-    const double size =
-        axes_of(from, at_point(place, 0), at_point(place, b), at_point(place, c));
+    const double size = axes_of(from, at_point(seen, place, 0), at_point(seen, place, b),
+                                at_point(seen, place, c));
     rigcal_transform turn = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
     rigcal_real R[9] = {0}, moved[3];
     size_t p;
     int i, j, k, is_alike;
 
-    axes_of(onto, at_point(place, to[0]), at_point(place, to[b]), at_point(place, to[c]));
+    axes_of(onto, at_point(seen, place, to[0]), at_point(seen, place, to[b]),
+            at_point(seen, place, to[c]));
     for (i = 0; i < 3; i++) {
         for (j = 0; j < 3; j++) {
             for (k = 0; k < 3; k++) {
@@ -166,15 +169,16 @@ static rigcal_transform turn_of(const cli_observations *seen,
         }
     }
     is_alike = size > 0 && rigcal_rotation_nearest(turn.R, R) == RIGCAL_OK;
-    rigcal_transform_point(moved, &turn, at_point(place, 0));
+    rigcal_transform_point(moved, &turn, at_point(seen, place, 0));
     for (i = 0; i < 3; i++) {
-        turn.t[i] = at_point(place, to[0])[i] - moved[i];
+        turn.t[i] = at_point(seen, place, to[0])[i] - moved[i];
     }
     for (p = 0; p < n; p++) {
-        rigcal_transform_point(moved, &turn, at_point(place, p));
+        rigcal_transform_point(moved, &turn, at_point(seen, place, p));
         for (i = 0; i < 3; i++) {
-            is_alike = is_alike &&
-                       fabs((double)(moved[i] - at_point(place, to[p])[i])) < DIGITS * size;
+            is_alike =
+                is_alike &&
+                fabs((double)(moved[i] - at_point(seen, place, to[p])[i])) < DIGITS * size;
         }
         if (!is_alike) {
             csv_fail_line(
@@ -462,18 +466,19 @@ static double read_as(size_t turns[], const turning *t, const view *v)
 }
 
 /* Gives the points of a view the names and places that they have after the turns. */
-static void turn_view(const turning *t, view *v, size_t turns,
-                      const rigcal_real (*where)[3])
+static void turn_view(const turning *t, view *v, size_t turns, const uint32_t where[])
 {
     cli_observations *seen = &t->c->observations;
     cli_observation *first = &seen->list[v->first - seen->list];
     size_t i, k;
 
     for (i = 0; i < v->n_seen; i++) {
+        size_t point = cli_point(seen, &first[i]);
+
         for (k = 0; k < turns; k++) {
-            first[i].point = seen->turned[first[i].point];
+            point = seen->turned[point];
         }
-        memcpy(first[i].seen.X_w, where[first[i].point], sizeof first[i].seen.X_w);
+        first[i].place = where[point];
     }
     for (i = 0; i < v->n_poses; i++) {
         rigcal_transform *pose = &v->poses[i].cam_from_world;
@@ -531,7 +536,7 @@ static const view *read_frame(size_t turns[], const turning *t, size_t frame)
  * possible to where it was in the frame before, because its motion is wanted. Returns the
  * number of views that were read differently from most. */
 static size_t turn_frame(const turning *t, size_t frame, rigcal_transform *before,
-                         int *has_before, size_t turns[], const rigcal_real (*where)[3])
+                         int *has_before, size_t turns[], const uint32_t where[])
 {
     const calibration *c = t->c;
     const view *best = read_frame(turns, t, frame);
@@ -565,7 +570,7 @@ void turn_views(calibration *c)
     const size_t n = c->cameras.names.count;
     turning t = {c, 1, {{{0}, {0}}}, NULL, NULL, NULL};
     const cli_observation **place;
-    rigcal_real(*where)[3];
+    uint32_t *where;
     rigcal_transform before;
     size_t *turns, frame, p, n_turned = 0;
     int has_before = 0;
@@ -582,11 +587,10 @@ void turn_views(calibration *c)
     place = places_of(&c->observations);
     where = cli_alloc(c->observations.points.count, sizeof *where);
     for (p = 0; p < c->observations.points.count; p++) {
-        memcpy(where[p], place[p]->seen.X_w, sizeof where[p]);
+        where[p] = place[p]->place;
     }
     for (frame = 0; frame < c->observations.frames.count; frame++) {
-        n_turned += turn_frame(&t, frame, &before, &has_before, turns,
-                               (const rigcal_real(*)[3])where);
+        n_turned += turn_frame(&t, frame, &before, &has_before, turns, where);
     }
     if (n_turned > 0) {
         cli_say("the target looks the same from %lu sides: %lu of %lu views were read from "

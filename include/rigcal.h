@@ -13,9 +13,9 @@
  *   rigcal_store_save        the calibration as bytes, for flash or a file
  *
  * Every function returns a rigcal_status. 0: the call is done. Negative: it failed and
- * wrote no output. Positive: it wrote outputs that can be used, and the status names a
- * caveat. rigcal_status_text says it in words. The programs in examples/ have at most 40
- * lines each.
+ * wrote no output (except in a rig: see rigcal_rig). Positive: it wrote outputs that can be
+ * used, and the status names a caveat. rigcal_status_text says it in words. The programs
+ * in examples/ have at most 40 lines each.
  *
  *   frames     world or target (any origin), rig, camera: x right, y down, z forward
  *              along the optical axis; all right-handed
@@ -24,7 +24,8 @@
  *   units      lengths in the caller's unit, one throughout; angles in radian; pixels
  *              with (0, 0) the centre of the top-left pixel
  *   range      coordinates and lengths within 1e30 / 1e9, pixels within 1e9, counts
- *              within 2^28; ERR_RANGE beyond, in every function that takes them
+ *              within 2^28; ERR_RANGE beyond, in every function that takes them. Results
+ *              of inputs near these ends may be beyond
  *   storage    3 x 3 matrices row by row, vectors are columns
  *   arguments  outputs first, then inputs, then options; a capacity follows its array;
  *              an output may not overlap an input or another output
@@ -369,8 +370,8 @@ RIGCAL_API rigcal_status rigcal_camera_distort(rigcal_real uv[2],
 
 /* Root mean square distance [px] of n >= 1 observed pixels from the projections of their
  * points: sqrt(sum(du^2 + dv^2) / n). view->sigma does not weigh them. `worst` (NULL: not
- * wanted) gets the index of the largest distance. ERR_BEHIND, ERR_NO_RAY as
- * rigcal_camera_project; ERR_TOO_FEW; ERR_ROTATION, ERR_RANGE. */
+ * wanted) gets the index of the largest distance. ERR_BEHIND, ERR_NO_RAY, ERR_DEGENERATE
+ * as rigcal_camera_project; ERR_TOO_FEW; ERR_ROTATION, ERR_RANGE. */
 RIGCAL_API rigcal_status rigcal_view_rms(rigcal_real *rms_px, int32_t *worst,
                                          const rigcal_view *view,
                                          const rigcal_transform *cam_from_world);
@@ -477,7 +478,7 @@ RIGCAL_API rigcal_status rigcal_pose_step(rigcal_pose_solver *solver, int32_t bu
  * OK: the first pose is right with probability 0.99 or more.
  *
  * All these poses are finite. R is a rotation to rounding. Every point lies in front of
- * the camera and within its lens.
+ * the camera and within its lens, to the rounding of t and of the points.
  *
  * ERR_NULL, ERR_RANGE, ERR_STATE, ERR_NO_POSE, ERR_DEGENERATE (the observations do not fix
  * the pose). Where `start` fits, the search is not run. A search can also return

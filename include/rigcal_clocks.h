@@ -97,7 +97,7 @@ RIGCAL_API size_t rigcal_clocks_work(size_t n_free, size_t n_cameras);
 
 /* Standard deviations of offsets, and of drifts (NULL: not wanted), n_cameras each, for
  * noise of sigma_px. A value that is not free has 0. OK, ERR_NULL (also: the rig has no
- * clocks), ERR_RANGE, ERR_STATE (not adjusted). O(n_cameras) */
+ * clocks), ERR_NOT_FINITE, ERR_RANGE, ERR_STATE (not adjusted). O(n_cameras) */
 RIGCAL_API rigcal_status rigcal_clocks_sigma(rigcal_real offsets[], rigcal_real drifts[],
                                              const rigcal_rig *rig, rigcal_real sigma_px);
 

@@ -135,12 +135,13 @@ RIGCAL_API rigcal_status rigcal_monitor_match_rays(rigcal_real monitor[], size_t
  *   sigma_px      in  as above
  *   at_fault      out the index of the observation at fault, or -1
  *
- * OK. RIGCAL_AMBIGUOUS, RIGCAL_POOR_FIT: the pose of a target without a place is ambiguous
- * or does not fit, and the target was not placed. Other caveats of rigcal_pose_solve: the
- * target was placed. ERR_NULL, ERR_NOT_FINITE, ERR_RANGE, ERR_STATE (also: between an
- * alarm and its answer no target gets a place), ERR_TOO_FEW, ERR_BEHIND, ERR_NO_RAY and
- * those of rigcal_pose_solve and rigcal_pose_covariance. A failed call changes nothing.
- * O(n n_bodies^2), and one pose if the target has no place. */
+ * OK. RIGCAL_AMBIGUOUS, RIGCAL_POOR_FIT, RIGCAL_VAGUE: the pose of a target without a
+ * place is ambiguous, does not fit or is vague, and the target was not placed. Other
+ * caveats of rigcal_pose_solve: the target was placed. ERR_NULL, ERR_NOT_FINITE,
+ * ERR_RANGE, ERR_STATE (also: between an alarm and its answer no target gets a place),
+ * ERR_TOO_FEW, ERR_BEHIND, ERR_NO_RAY and those of rigcal_pose_solve and
+ * rigcal_pose_covariance. A failed call changes nothing. O(n n_bodies^2), and one pose if
+ * the target has no place. */
 RIGCAL_API rigcal_status rigcal_monitor_view(rigcal_real monitor[], int32_t *at_fault,
                                              size_t camera, size_t target,
                                              const rigcal_observation observations[],
@@ -197,7 +198,8 @@ typedef struct rigcal_body_report {
     rigcal_real
         weakest[6]; /* the direction (w, dt) in which its pose is known worst, of unit
                        length if lengths are in units of move_t / move_rad */
-    rigcal_real weakest_sigma; /* its standard deviation [rad] */
+    rigcal_real weakest_sigma; /* its standard deviation [rad]. All are 0 if that unit of
+                                  length is so small that its square is 0 */
 } rigcal_body_report;
 
 /* OK, ERR_NULL, ERR_RANGE (no such body), ERR_STATE. O(1): some 10 000 operations. */

@@ -73,7 +73,9 @@ typedef struct rigcal_intrinsics_sigma {
     rigcal_real k1, k2;
 } rigcal_intrinsics_sigma;
 
-/* Cameras, placements, and what was seen. Set it to zero, then fill in what there is. */
+/* Cameras, placements, and what was seen. Set it to zero, then fill in what there is.
+ * A search writes the poses, group and clocks of the rig as it goes, and `takes` of
+ * rigcal_choose.h. After an error they are as it left them. */
 typedef struct rigcal_rig {
     rigcal_transform *cams_from_rig; /* n_cameras */
     size_t n_cameras;
@@ -130,9 +132,10 @@ RIGCAL_API rigcal_status rigcal_view_pose_make(rigcal_view_pose *pose,
  * adjustment starts from it. Writes cams_from_rig, rig_from_placements and group. Cameras
  * that are held or have a prior stay where they were. The frame is that of camera 0, if
  * none is held.
- * OK, RIGCAL_DISCONNECTED, ERR_NULL, ERR_NOT_FINITE, ERR_ROTATION, ERR_RANGE, ERR_TOO_FEW
- * (no camera, no view), ERR_CAPACITY, ERR_TWICE, ERR_UNSORTED, ERR_DEGENERATE (the
- * information of a view or placement is not positive definite), and what a source returns.
+ * OK, RIGCAL_DISCONNECTED, RIGCAL_BUDGET_SPENT, ERR_NULL, ERR_NOT_FINITE, ERR_ROTATION,
+ * ERR_RANGE, ERR_TOO_FEW (no camera, no view), ERR_CAPACITY, ERR_TWICE, ERR_UNSORTED,
+ * ERR_DEGENERATE (the information of a view or placement is not positive definite), and
+ * what a source returns.
  * *at_fault: the number of the view, or -1. Time O(n_views n_cameras). */
 RIGCAL_API rigcal_status rigcal_rig_join(rigcal_rig *rig, int32_t *at_fault);
 
@@ -210,8 +213,8 @@ RIGCAL_API rigcal_status rigcal_rig_robust_result(rigcal_rig_fit *fit, size_t *n
  * if the rig has been adjusted again since. */
 
 /* Sigma: covariance of (w, dt) of a camera's pose in the frame of the rig, for noise of
- * sigma_px. It is 0 for a camera that is held. OK, ERR_NULL, ERR_RANGE, ERR_STATE (not
- * adjusted). */
+ * sigma_px. It is 0 for a camera that is held. OK, ERR_NULL, ERR_NOT_FINITE, ERR_RANGE,
+ * ERR_STATE (not adjusted). */
 RIGCAL_API rigcal_status rigcal_rig_covariance(rigcal_real Sigma[36], const rigcal_rig *rig,
                                                rigcal_real sigma_px, size_t camera);
 

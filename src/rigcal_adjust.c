@@ -263,7 +263,7 @@ static void take_step(rigcal_rig_solver *s, const rc_rig_parts *parts)
     s->promised = gain;
     const rigcal_real little = GAIN_ENOUGH * s->search.sum;
     const int is_enough =
-        gain <= little || gain * gain <= (s->search.last_gain - gain) * little;
+        gain <= little || gain / little * gain <= s->search.last_gain - gain;
     const int step =
         rc_levenberg_promised(&s->search, gain, is_enough ? gain : s->negligible);
     if (step == RC_STEP_TRY && s->evals >= PASSES_MAX) {

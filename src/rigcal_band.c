@@ -225,9 +225,11 @@ static rigcal_status check_epipole(rigcal_band *band, const rigcal_match_pair *p
     const rigcal_real x = band->along, y = band->across, t2 = x * x + y * y;
     rigcal_real aside[3];
     rc_vec3_combine(aside, x, band->towards, -y, band->ray);
-    band->epipole2 = rc_largest_of(between(n, dt, n), between(n, dt, aside) / RC_SQRT(t2),
-                                   between(aside, dt, aside) / t2) /
-                     t2;
+    const rigcal_real variance =
+        rc_largest_of(between(n, dt, n), between(n, dt, aside) / RC_SQRT(t2),
+                      between(aside, dt, aside) / t2) /
+        t2;
+    band->epipole2 = (variance < 0) ? 0 : variance; /* of a Sigma that is none */
     const rigcal_real largest = rc_largest_of(M[3], M[4], M[5]);
     if (!rc_all_finite(M, 6) || !rc_is_finite(band->epipole2)) {
         return RIGCAL_ERR_RANGE;

@@ -121,7 +121,7 @@ RC_APART_FAST static rigcal_real tolerance_at(const rigcal_camera *c,
 rigcal_status rc_pixel_to_ray(rigcal_real ray[3], const rigcal_camera *camera,
                               const rigcal_real uv[2])
 {
-    RIGCAL_ASSERT(rc_check_camera(camera) == RIGCAL_OK && rc_check_pixel(uv) == RIGCAL_OK);
+    RIGCAL_ASSERT(rc_check_camera(camera) == RIGCAL_OK && rc_all_finite(uv, 2));
     const rigcal_camera *const c = camera;
     const rigcal_real target[2] = {(uv[0] - c->cx) / c->fx, (uv[1] - c->cy) / c->fy};
     rigcal_real m[3] = {target[0], target[1], 1};

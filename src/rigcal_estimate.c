@@ -211,7 +211,7 @@ static void tell(rigcal_estimated *out, const rc_border *b, const rigcal_rig *ri
                 const rigcal_real left = deviation(x, b, column);
                 const rigcal_real step = b->q[column++];
                 change[p] += sigma[p] * step;
-                sigma[p] *= left;
+                sigma[p] *= rc_min(left, 1); /* more is rounding */
                 if (RC_FABS(step) > out->step * left) {
                     out->step = RC_FABS(step) / left;
                 }

@@ -319,20 +319,25 @@ void rc_filter_multiply(rigcal_real UD[], size_t n)
 }
 
 /* Column by column from the last: the columns to the right are U and D already. An unknown
- * of variance 0 is known exactly: its column is 0. */
+ * of variance 0 is known exactly: its column is 0. Where only rounding is left of a
+ * variance, the column is rounding too, and so is a covariance beyond what both variances
+ * allow. Divided by a small variance, it would not be small. */
 void rc_filter_factor(rigcal_real P[], size_t n)
 {
     for (size_t j = n; j-- > 0;) {
         rigcal_real *const column = &P[rc_packed_at(j, 0)];
-        const rigcal_real variance = column[j];
+        const rigcal_real least = PIVOT_LEAST * column[j], *its_variance = P;
         add_beyond(P, n, j, -1);
-        column[j] = rc_max(column[j], PIVOT_LEAST * variance);
+        const int is_rounding = !(column[j] > least);
+        column[j] = is_rounding ? least : column[j];
         /* A variance so small that its inverse overflows counts as 0. */
         const rigcal_real inverse = 1 / column[j];
         const rigcal_real by = rc_is_finite(inverse) ? inverse : 0;
-        column[j] = by > 0 ? column[j] : 0;
-        for (size_t k = 0; k < j; k++) {
-            column[k] *= by;
+        column[j] = (by > 0) ? column[j] : 0;
+        for (size_t k = 0; k < j; its_variance += k + 2, k++) {
+            const rigcal_real most = column[j] * *its_variance;
+            const int is_none = is_rounding || column[k] * column[k] > most;
+            column[k] = is_none ? 0 : column[k] * by;
         }
     }
 }

@@ -82,7 +82,7 @@ void rc_finding_of(rigcal_fault *fault, const rc_common *c, const rc_one_step *s
     fault->p = rc_f_tail(gain / k / variance, k, freedom);
     fault->p = rc_min(1, fault->p * (rigcal_real)(int32_t)step->tries);
     fault->bic = log_of_rest(c, gain) + k * rc_log1p(c->n_measured - 1);
-    fault->F_after = rc_F_of(c, gain, step->own_gain, k);
+    fault->F_after = rc_max(0, rc_F_of(c, gain, step->own_gain, k));
     fault->explains = !rc_F_disagrees(c, fault->F_after, k) ||
                       fault->F_after - 1 <= (1 - EXPLAINS_LEAST) * (F - 1);
     for (size_t i = 0; i < step->k; i++) {
@@ -98,10 +98,14 @@ void rc_finding_of(rigcal_fault *fault, const rc_common *c, const rc_one_step *s
     keep_if_finite(fault);
 }
 
-/* Whether a comes before b. */
+/* Whether a comes before b. Those that are not seen are in the order of their kinds,
+ * however many passes there are. */
 static int is_before(const rigcal_fault *a, const rigcal_fault *b)
 {
-    return a->is_seen && (!b->is_seen || a->bic < b->bic);
+    if (a->is_seen != b->is_seen) {
+        return a->is_seen;
+    }
+    return a->is_seen ? a->bic < b->bic : a->kind < b->kind;
 }
 
 void rc_finding_rank(rigcal_fault faults[], int32_t *n, size_t capacity,
@@ -147,7 +151,8 @@ void rc_finding_residues(rigcal_faults *found, const rc_residues *r, const rc_co
 {
     const rigcal_real variance = c->own / c->freedom_within, n = 2 * r->n;
     if (n > 0 && variance > 0) {
-        found->pattern = (r->product / variance - r->expected) / n;
+        const rigcal_real pattern = (r->product / variance - r->expected) / n;
+        found->pattern = rc_max(-1, rc_min(pattern, 1));
         found->pattern_sigma = RC_SQRT(rc_max(n - r->expected2 / POSE_PARTS, 1)) / n;
         if (found->pattern > PATTERN_LEAST &&
             found->pattern > PATTERN_DEVIATIONS * found->pattern_sigma) {
@@ -155,7 +160,7 @@ void rc_finding_residues(rigcal_faults *found, const rc_residues *r, const rc_co
         }
     }
     if (r->disagreement > 0 && r->speed2 > 0) {
-        found->along = r->along / r->disagreement;
+        found->along = rc_min(r->along / r->disagreement, 1);
         found->along_time = RC_SQRT(r->along / r->speed2);
         if (found->along > ALONG_MOST && (found->bits & RIGCAL_FAULTS_PATTERN) == 0) {
             found->bits |= RIGCAL_FAULTS_ALONG_MOTION;

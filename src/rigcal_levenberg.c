@@ -79,12 +79,12 @@ void rc_levenberg_not_definite(rigcal_levenberg *lm)
 /* A nearly undamped step is the last if almost nothing is left to gain after it. If each
  * gain is r = gain / last_gain of the one before, gain r / (1 - r) is left. Near an optimum
  * the gains fall ever faster. In a valley r is near 1, and a small gain alone says
- * nothing. */
+ * nothing. The square of a gain may overflow. */
 static int is_last(const rigcal_levenberg *lm, rigcal_real gain, rigcal_real negligible)
 {
     return lm->lambda <= DAMPING_NEAR &&
            (gain <= negligible || gain <= GAIN_LEAST * lm->sum ||
-            gain * gain <= (lm->last_gain - gain) * LEFT_LEAST * lm->sum);
+            gain / lm->sum * gain <= (lm->last_gain - gain) * LEFT_LEAST);
 }
 
 int rc_levenberg_promised(rigcal_levenberg *lm, rigcal_real gain, rigcal_real negligible)

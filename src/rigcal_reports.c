@@ -129,7 +129,8 @@ static rigcal_real scale_down(rigcal_real P[36])
 }
 
 /* The eigenvector of the largest eigenvalue, as a column of a high power of P. Returns the
- * root of the eigenvalue. Both are 0 if the body is known exactly. */
+ * root of the eigenvalue. Both are 0 if the body is known exactly, or if the square of
+ * `lever` underflows. */
 static rigcal_real worst_of(rigcal_real direction[6], const rigcal_real Sigma[36],
                             rigcal_real lever)
 {
@@ -140,7 +141,7 @@ static rigcal_real worst_of(rigcal_real direction[6], const rigcal_real Sigma[36
     }
     rc_clear(direction, 6);
     const rigcal_real trace = scale_down(P);
-    if (!(trace > 0)) {
+    if (!(trace > 0 && trace <= RC_MAX)) {
         return 0;
     }
     memcpy(A, P, sizeof A);

@@ -46,11 +46,12 @@ static rigcal_status take_view(int32_t *at_fault, rc_monitor *m, rc_seen *seen,
 
 /* ---- a target gets its place -------------------------------------------------- */
 
-/* Whether a pose fixes the place of a target. One that is ambiguous or does not fit does
- * not. */
+/* Whether a pose fixes the place of a target. One that is ambiguous, vague or does not fit
+ * does not. */
 static int is_placed(rigcal_status status)
 {
-    return status >= 0 && status != RIGCAL_AMBIGUOUS && status != RIGCAL_POOR_FIT;
+    return status >= 0 && status != RIGCAL_AMBIGUOUS && status != RIGCAL_POOR_FIT &&
+           status != RIGCAL_VAGUE;
 }
 
 /* (M4) Places a target by its first view, with the covariances of the view's and the

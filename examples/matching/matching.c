@@ -57,7 +57,7 @@ static void read_data(stereo *s, const char *folder)
         rigcal_rig_view *const v = &s->views[2 * o->frame + o->camera];
 
         stop_if(v->view.n == POINTS_MAX, "too many corners");
-        s->seen[2 * o->frame + o->camera][v->view.n++] = o->seen;
+        s->seen[2 * o->frame + o->camera][v->view.n++] = cli_seen(&all, o);
     }
     for (size_t v = 0; v < 2 * s->n_places; v++) {
         rigcal_pose pose[RIGCAL_POSES_MAX];

@@ -44,8 +44,8 @@ static void add_view(set *s, const cli_observation *const list[], size_t n)
 
     s->points[v] = cli_alloc(n, sizeof **s->points);
     for (size_t i = 0; i < n; i++) {
-        o[i] = list[i]->seen;
-        s->points[v][i] = list[i]->point;
+        o[i] = cli_seen(&s->all, list[i]);
+        s->points[v][i] = (uint32_t)cli_point(&s->all, list[i]);
     }
     view->view.camera = &s->cameras.camera[list[0]->camera];
     view->view.observations = o;

@@ -263,7 +263,7 @@ static void read_bearings(real_view *view, const cli_cameras *cameras,
 
     for (size_t i = 0; i < seen->count; i++) {
         if (seen->list[i].camera == camera && seen->list[i].frame == frame) {
-            observed[view->n++] = seen->list[i].seen;
+            observed[view->n++] = cli_seen(seen, &seen->list[i]);
         }
     }
     if (view->n == 0) {

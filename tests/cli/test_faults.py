@@ -136,6 +136,25 @@ class TestFaultsOfCalibrate(Sweep):
                                              f"{os.strerror(errno.EFBIG)}; no file was written")
                 self.assertEqual(self.files(), before)
 
+    @unittest.skipIf("asan" in BIN, "the sanitizer itself takes more address space")
+    def test_the_memory_is_full_after_so_many_bytes(self):
+        before, n_failed, run = self.prepare(False), 0, None
+        for most in range(2 << 20, 64 << 20, 1 << 12 if ALL else 1 << 15):
+            def limit():
+                resource.setrlimit(resource.RLIMIT_AS, (most, most))
+            with self.subTest(most=most):
+                run = rigcal(*CALIBRATE, "--out", self.out, preexec_fn=limit)
+                if run.returncode == 0:
+                    break
+                self.assertEqual(self.files(), before)
+                if run.returncode == 2:  # otherwise the program could not be loaded
+                    self.assertTrue(run.stderr.endswith("rigcal: out of memory\n"), run.stderr)
+                    n_failed += 1
+                else:
+                    self.assertEqual(n_failed, 0)
+        self.assertEqual(run.returncode, 0)
+        self.assertGreater(n_failed, 10)
+
 
 class TestFaultsOfTheOthers(Sweep):
     """Commands that write only to standard output."""

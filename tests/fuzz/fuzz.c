@@ -92,7 +92,9 @@ int fuzz_is_covariance(const rigcal_real Sigma[], int n, double slack)
         for (j = 0; j < i; j++) {
             const double a = (double)Sigma[i * n + i], b = (double)Sigma[j * n + j];
             const double s = (double)Sigma[i * n + j], t = (double)Sigma[j * n + i];
-            const double most = sqrt(a) * sqrt(b) * (1 + slack) + DBL_MIN;
+            const double least =
+                FUZZ_TOL(DBL_MIN, (double)FLT_MIN); /* may underflow to 0 */
+            const double most = sqrt(fmax(a, least)) * sqrt(fmax(b, least)) * (1 + slack);
 
             if (!(fabs(s) <= most) || !(fabs(s - t) <= slack * most)) {
                 return 0;

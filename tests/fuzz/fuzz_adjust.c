@@ -122,9 +122,13 @@ static void check_faults(fuzz_rig *made)
     }
     PROMISE(found.verdict >= RIGCAL_RIG_AGREES && found.verdict <= RIGCAL_RIG_UNEXPLAINED);
     PROMISE(found.n >= 0 && found.n <= N_FAULTS);
+    PROMISE(found.pattern >= -1 && found.pattern <= 1);
+    PROMISE(found.along >= 0 && found.along <= 1);
     for (i = 0; i < found.n; i++) {
         PROMISE(faults[i].p >= 0 && faults[i].p <= 1);
         PROMISE(fuzz_all_finite(faults[i].value, (size_t)faults[i].n));
+        PROMISE(faults[i].gain >= 0 && faults[i].F_after >= 0);
+        PROMISE(i == 0 || faults[i].is_seen <= faults[i - 1].is_seen);
     }
     memset(&words, 0, sizeof words);
     words.with_unseen = 1;

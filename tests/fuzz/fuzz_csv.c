@@ -88,8 +88,9 @@ static void check_observations(const cli_observations *observations)
         const cli_observation *o = &observations->list[i];
 
         PROMISE(o->camera == 0 && o->frame < observations->frames.count);
-        PROMISE(o->point < observations->points.count);
-        PROMISE(fuzz_all_finite(o->seen.X_w, 3) && fuzz_all_finite(o->seen.uv, 2));
+        PROMISE(o->place < observations->n_places);
+        PROMISE(cli_point(observations, o) < observations->points.count);
+        PROMISE(fuzz_all_finite(cli_X(observations, o), 3) && fuzz_all_finite(o->uv, 2));
         PROMISE(i == 0 || o[-1].frame <= o->frame);
     }
 }

@@ -291,6 +291,7 @@ static void check_band(const scene *s, fuzz_bytes *bytes)
     if (make_band(&band, s, bytes) < 0) {
         return;
     }
+    PROMISE(band.across > 0 && band.epipole2 >= 0);
     MARK(points);
     MARK(n_written);
     status = rigcal_band_curve(points, CURVE_MOST, &n_written, &band);

@@ -297,6 +297,40 @@ static void test_three_points_that_fit_badly_give_their_best_pose(void)
     TEST_ASSERT_GREATER_THAN_INT(20, poor);
 }
 
+/* Pixels without any pose near them: a refinement may run out of evaluations in a valley. If
+ * nothing better is found, its pose is told, with this status. */
+static void test_a_pose_on_its_way_is_told_as_unfinished(void)
+{
+    const rigcal_pose_options options = test_options(1000);
+    test_rng rng = test_seed(7009);
+    int unfinished = 0, alone = 0, gained = 0;
+
+    TEST_ON_HOST_ONLY("a rate wants all scenes");
+    for (int trial = 0; trial < 3000; trial++) {
+        test_fitted fitted;
+        test_problem p;
+
+        test_random_problem(&p, &rng, 4 + trial % 3, TEST_GENERAL);
+        for (int i = 0; i < 2 * p.scene.n; i++) {
+            p.o[i / 2].uv[i % 2] = RC(test_uniform(&rng, -3000, 3000));
+        }
+        if (test_solve_pose(&p, &options) != RIGCAL_BUDGET_SPENT) {
+            continue;
+        }
+        const test_data data = test_data_of(&p);
+        test_transform_parts(fitted.R, fitted.t, &p.poses[0].cam_from_world);
+        ASSERT_NEAR(test_sse(&data, fitted.R, fitted.t), p.poses[0].sse,
+                    TOL(1e-6, 1e-2) * D(p.poses[0].sse));
+        (void)test_fit(&fitted, &data);
+        gained += fitted.sse < D(p.poses[0].sse) * (1 - TOL(1e-9, 1e-5));
+        unfinished++;
+        alone += p.n_found == 1;
+    }
+    TEST_ASSERT_GREATER_THAN_INT(5, unfinished);
+    TEST_ASSERT_GREATER_THAN_INT(5, alone);
+    TEST_ASSERT_GREATER_THAN_INT(3, gained);
+}
+
 /* ---- points that the lens does not see ----------------------------------- */
 
 /* A barrel lens has no image far outside its own. */
@@ -347,5 +381,6 @@ TEST_MAIN()
     RUN_TEST(test_of_three_points_only_poses_that_fit_are_told);
     RUN_TEST(test_the_lattice_is_searched_only_if_nothing_fits);
     RUN_TEST(test_three_points_that_fit_badly_give_their_best_pose);
+    RUN_TEST(test_a_pose_on_its_way_is_told_as_unfinished);
     RUN_TEST(test_points_without_a_ray_are_counted);
 }

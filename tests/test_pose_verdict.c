@@ -297,8 +297,8 @@ static void test_three_points_that_fit_badly_give_their_best_pose(void)
     TEST_ASSERT_GREATER_THAN_INT(20, poor);
 }
 
-/* Pixels without any pose near them: a refinement may run out of evaluations in a valley. If
- * nothing better is found, its pose is told, with this status. */
+/* Pixels without any pose near them: a refinement may run out of evaluations in a valley.
+ * If nothing better is found, its pose is told, with this status. */
 static void test_a_pose_on_its_way_is_told_as_unfinished(void)
 {
     const rigcal_pose_options options = test_options(1000);

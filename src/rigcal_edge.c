@@ -88,6 +88,9 @@ int rc_edge_begin_side(rigcal_edge *e, int side, const rigcal_real p[2])
     rigcal_real uv[2], J[6], D[2][3], m[3];
     e->side = side;
     direction_at(m, e, p, 0);
+    if (!rc_lens_is_fisheye(&e->band.camera_b) && !(m[2] > RC_FORWARD_LEAST)) {
+        return 0;
+    }
     if ((side == 0 && rc_project_usable(uv, &e->band.camera_b, m) != RIGCAL_OK) ||
         place_at(uv, J, D, e, p, 0) != RIGCAL_OK) {
         return 0;

@@ -255,7 +255,7 @@ static void test_of_poses_from_both_sides_those_from_the_front_are_kept(void)
 
     (void)rigcal_pose_defaults(&options);
     options.sigma_px = 1;
-    for (int trial = 0; trial < TEST_TRIALS(8000); trial++) {
+    for (int trial = 0; trial < TEST_TRIALS(12000); trial++) {
         rigcal_pose all[RIGCAL_POSES_MAX], front[RIGCAL_POSES_MAX];
         rigcal_observation o[4];
         size_t n_all = 0, n_front = 0, n = 0;

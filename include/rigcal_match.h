@@ -251,7 +251,8 @@ typedef struct rigcal_rectified {
         aligned_from_a[9]; /* rotation of rays of a; its transpose turns them back */
     rigcal_real aligned_from_b[9];
     rigcal_real baseline; /* between the centres, > 0 */
-    int32_t a_is_right;   /* 1: a is the right camera, b the left one; 0: as usual */
+    int32_t a_is_right;   /* 1: a is the right camera, b the left one; 0: as usual, or one
+                             is exactly above the other */
     rigcal_camera camera; /* virtual pinhole of both: its pixel is seen by a along
                              aligned_from_a^T (x, y, 1), and by b alike */
 } rigcal_rectified;

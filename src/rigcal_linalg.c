@@ -342,7 +342,7 @@ static rigcal_real dot(const rigcal_real a[], const rigcal_real b[], size_t n)
 
 int rc_packed_factor_row(rigcal_real A[], size_t i, rigcal_real least)
 {
-    RIGCAL_ASSERT(least >= 0);
+    RIGCAL_ASSERT(!(least < 0));
     rigcal_real *const row = &A[rc_packed_at(i, 0)];
     for (size_t j = 0; j < i; j++) {
         const rigcal_real *const above = &A[rc_packed_at(j, 0)];

@@ -34,7 +34,6 @@ static rigcal_status align(rigcal_rectified *out, const rigcal_transform *b_from
     }
     (void)rc_vec3_unit(z, aside);
     rc_vec3_cross(y, z, x);
-    rc_rotation_tidy(out->aligned_from_a);
     rc_mat3_mul_t(out->aligned_from_b, out->aligned_from_a, R);
     rc_rotation_tidy(out->aligned_from_b);
     return RIGCAL_OK;

@@ -135,7 +135,7 @@ rigcal_status rigcal_translation_from_pairs(rigcal_real t[3], const rigcal_real 
     size_t count = 0;
     for (size_t p = 0; p < n_pairs; p++) {
         const int32_t i = pairs[p].i, j = pairs[p].j;
-        if (i < 0 || j < 0 || (size_t)i >= n || (size_t)j >= n) {
+        if ((size_t)i >= n || (size_t)j >= n) { /* or negative */
             return RIGCAL_ERR_RANGE;
         }
         sum_depths(&sum, &count, R, &bearings[i], &bearings[j], origin);

@@ -235,14 +235,14 @@ static void test_the_side_is_that_of_the_line_of_sight(void)
     TEST_ASSERT_GREATER_THAN_INT(TEST_TRIALS(400), back);
 }
 
-/* Whether the camera is in front of the tag: its centre is at -R^T t, and z points
- * forward. */
-static int is_before(const rigcal_transform *cam_from_tag)
+/* The sine by which the camera is behind the tag's plane: its centre is at -R^T t, and z
+ * points forward. */
+static double side_of(const rigcal_transform *cam_from_tag)
 {
     double R[9], t[3];
 
     test_transform_parts(R, t, cam_from_tag);
-    return R[2] * t[0] + R[5] * t[1] + R[8] * t[2] < 0;
+    return (R[2] * t[0] + R[5] * t[1] + R[8] * t[2]) / test_norm(t);
 }
 
 /* Corners that are mostly noise fit poses seen from both sides. Only those seen from the
@@ -255,7 +255,7 @@ static void test_of_poses_from_both_sides_those_from_the_front_are_kept(void)
 
     (void)rigcal_pose_defaults(&options);
     options.sigma_px = 1;
-    for (int trial = 0; trial < TEST_TRIALS(8000); trial++) {
+    for (int trial = 0; trial < TEST_TRIALS(12000); trial++) {
         rigcal_pose all[RIGCAL_POSES_MAX], front[RIGCAL_POSES_MAX];
         rigcal_observation o[4];
         size_t n_all = 0, n_front = 0, n = 0;
@@ -276,7 +276,7 @@ static void test_of_poses_from_both_sides_those_from_the_front_are_kept(void)
             continue;
         }
         for (size_t i = 0; i < n_all; i++) {
-            if (is_before(&all[i].cam_from_world)) {
+            if (side_of(&all[i].cam_from_world) < 0) {
                 TEST_ASSERT_TRUE(n < n_front);
                 ASSERT_TRANSFORM(&all[i].cam_from_world, &front[n].cam_from_world, 0, 0);
                 n++;
@@ -288,6 +288,106 @@ static void test_of_poses_from_both_sides_those_from_the_front_are_kept(void)
     TEST_ASSERT_TRUE(TEST_ONE_IN > 1 || both > 10);
 }
 
+/* The plane of the tag goes through the camera: it shows neither side, and noise alone
+ * would name one. */
+static void test_a_tag_seen_edge_on_has_no_front(void)
+{
+    test_rng rng = test_seed(10);
+    int edge_on = 0;
+
+    for (int trial = 0; trial < 300; trial++) {
+        rigcal_pose all[RIGCAL_POSES_MAX], front[RIGCAL_POSES_MAX];
+        rigcal_observation o[4];
+        size_t n_all = 0, n_front = 0;
+        double middle[3];
+        sight s;
+
+        random_sight(&s, &rng, 1, 40 * DEGREE);
+        test_random_rotation(s.R, &rng);
+        const double normal[3] = {s.R[2], s.R[5], s.R[8]};
+        const double off = test_dot(normal, s.t);
+        for (int k = 0; k < 3; k++) {
+            middle[k] = s.t[k] - off * normal[k];
+        }
+        if (middle[2] < 1.5) {
+            continue;
+        }
+        for (int i = 0; i < 4; i++) {
+            const double X[3] = {CORNER[i][0], CORNER[i][1], 0};
+            double X_c[3], uv[2];
+
+            test_apply(X_c, s.R, X, middle);
+            test_project_px(uv, &s.camera, X_c);
+            test_to_real(o[i].X_w, X, 3);
+            test_to_real(o[i].uv, uv, 2);
+            test_to_real(s.uv + 2 * i, uv, 2);
+        }
+        (void)rigcal_pose_solve(all, RIGCAL_POSES_MAX, &n_all, NULL,
+                                &VIEW(&s.camera, o, NULL, 4), NULL);
+        for (size_t i = 0; i < n_all; i++) {
+            edge_on += fabs(side_of(&all[i].cam_from_world)) < TOL(1e-15, 1e-6);
+        }
+        (void)solve(front, &n_front, &s, NULL);
+        for (size_t i = 0; i < n_front; i++) {
+            TEST_ASSERT_TRUE(side_of(&front[i].cam_from_world) < TOL(-1e-12, -1e-6));
+        }
+    }
+    TEST_ASSERT_TRUE(RIGCAL_USE_FLOAT || edge_on > 50);
+}
+
+/* In any unit of length: powers of 2 change no digit. */
+static void test_the_unit_of_length_does_not_matter(void)
+{
+    test_rng rng = test_seed(11);
+
+    for (int trial = 0; trial < 20; trial++) {
+        const double unit = ldexp(1, trial % 2 ? 25 : -25);
+        rigcal_pose one[RIGCAL_POSES_MAX], other[RIGCAL_POSES_MAX];
+        size_t n_one, n_other;
+        sight s;
+
+        random_sight(&s, &rng, 1, 40 * DEGREE);
+        TEST_ASSERT_TRUE(solve(one, &n_one, &s, NULL) >= 0);
+        s.size = unit;
+        TEST_ASSERT_TRUE(solve(other, &n_other, &s, NULL) >= 0);
+        TEST_ASSERT_EQUAL_size_t(n_one, n_other);
+        for (size_t i = 0; i < n_one; i++) {
+            for (int k = 0; k < 3; k++) {
+                other[i].cam_from_world.t[k] /= RC(unit);
+            }
+            ASSERT_TRANSFORM(&one[i].cam_from_world, &other[i].cam_from_world,
+                             TOL(1e-10, 1e-4), TOL(1e-9, 1e-3));
+        }
+    }
+}
+
+static void test_arguments_are_checked(void)
+{
+    test_rng rng = test_seed(12);
+    rigcal_pose poses[RIGCAL_POSES_MAX];
+    rigcal_real reversed[8];
+    size_t n;
+    sight s;
+
+    random_sight(&s, &rng, 1, 40 * DEGREE);
+    for (int k = 0; k < 8; k++) {
+        reversed[k] = s.uv[6 - k + 2 * (k % 2)];
+    }
+    for (int bad = 0; bad < 6; bad++) { /* of a tag that would be refused as mirrored */
+        int32_t at_fault = 3;
+        const rigcal_status status =
+            rigcal_tag_solve(bad == 0 ? NULL : poses, 1, bad == 1 ? NULL : &n, &at_fault,
+                             bad == 2 ? NULL : &s.camera, bad == 3 ? NULL : reversed,
+                             bad == 4   ? TEST_NAN
+                             : bad == 5 ? TEST_INF
+                                        : 1,
+                             NULL);
+
+        ASSERT_STATUS(bad < 4 ? RIGCAL_ERR_NULL : RIGCAL_ERR_NOT_FINITE, status);
+        TEST_ASSERT_EQUAL_INT32(-1, at_fault);
+    }
+}
+
 TEST_MAIN()
 {
     RUN_TEST(test_the_pose_of_a_tag_in_the_unit_of_its_size);
@@ -297,4 +397,7 @@ TEST_MAIN()
     RUN_TEST(test_what_is_no_tag_is_refused_by_name);
     RUN_TEST(test_the_side_is_that_of_the_line_of_sight);
     RUN_TEST(test_of_poses_from_both_sides_those_from_the_front_are_kept);
+    RUN_TEST(test_a_tag_seen_edge_on_has_no_front);
+    RUN_TEST(test_the_unit_of_length_does_not_matter);
+    RUN_TEST(test_arguments_are_checked);
 }

@@ -168,6 +168,30 @@ static void test_rays_that_fix_no_translation_are_refused(void)
     ASSERT_STATUS(RIGCAL_OK, rigcal_translation_least_squares(t, IDENTITY, s, 3));
 }
 
+/* Directions of rays are compared with the largest of them, and that one with 1: two rays
+ * are the same up to rounding squared. 2 h^2 is exactly the limit for h = (8 eps)^2. */
+static void test_the_least_difference_of_rays(void)
+{
+    const rigcal_real h = RC(64 * TOL(pow(2, -104), pow(2, -46)));
+    rigcal_bearing s[2] = {{{0, 0, 0}, {0, 0, 1}}, {{1, 0, 0}, {0, 0, 1}}};
+    rigcal_pair pair = test_pair_of(1, 0, 0, 1, 0, 0);
+    rigcal_real t[3];
+
+    s[1].ray[0] = 2 * h;
+    ASSERT_REFUSED(RIGCAL_ERR_DEGENERATE, t,
+                   rigcal_translation_least_squares(t, IDENTITY, s, 2));
+    s[1].ray[0] = 4 * h;
+    ASSERT_STATUS(RIGCAL_OK, rigcal_translation_least_squares(t, IDENTITY, s, 2));
+    ASSERT_NEAR(1, D(t[2]) * D(s[1].ray[0]), TOL(1e-14, 1e-5));
+    /* a pair divides by the difference: it must be more than 1e-9 */
+    s[1].ray[0] = RC(TOL(1e-9, 1e-4));
+    ASSERT_REFUSED(RIGCAL_ERR_DEGENERATE, t,
+                   rigcal_translation_from_pairs(t, IDENTITY, s, 2, &pair, 1));
+    s[1].ray[0] *= 2;
+    ASSERT_STATUS(RIGCAL_OK, rigcal_translation_from_pairs(t, IDENTITY, s, 2, &pair, 1));
+    ASSERT_NEAR(1, D(t[2]) * D(s[1].ray[0]), TOL(1e-14, 1e-5));
+}
+
 static void assert_both_translations_refuse(rigcal_status status, const rigcal_real R[9],
                                             const rigcal_bearing s[], size_t n,
                                             const rigcal_pair pairs[])
@@ -245,5 +269,6 @@ TEST_MAIN()
     RUN_TEST(test_translation_scales_with_the_target);
     RUN_TEST(test_a_translation_far_from_the_origin_keeps_its_digits);
     RUN_TEST(test_rays_that_fix_no_translation_are_refused);
+    RUN_TEST(test_the_least_difference_of_rays);
     RUN_TEST(test_arguments_of_the_translation_are_checked);
 }

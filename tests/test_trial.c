@@ -38,8 +38,8 @@ static void begin(void)
     rc_trial_begin(&f, &alarm, bodies, RC(0.05), RC(5e-3));
 }
 
-/* Takes a match of a random pair. Returns whether it is doubted. */
-static int take(test_rng *rng, double noise_px)
+/* A match of a random pair. */
+static rc_seen match(test_rng *rng, double noise_px)
 {
     static const double PINHOLE[15] = {0, 640, 480, 800, 800, 320, 240};
     const rigcal_camera camera = test_camera(PINHOLE);
@@ -58,6 +58,14 @@ static int take(test_rng *rng, double noise_px)
             (rigcal_real)(p[1] / p[2] + noise_px / 800 * test_normal(rng)), 1};
         ASSERT_STATUS(RIGCAL_OK, rc_sight_of(&seen.sight[k], &camera, ray, RC(0.3)));
     }
+    return seen;
+}
+
+/* Takes a match of a random pair. Returns whether it is doubted. */
+static int take(test_rng *rng, double noise_px)
+{
+    const rc_seen seen = match(rng, noise_px);
+
     return rc_trial_take(&f, bodies, &seen, RC(0.1));
 }
 
@@ -190,6 +198,203 @@ static void test_without_rows_all_bodies_are_equally_likely(void)
     ASSERT_NEAR(0, rc_trial_share(&f, bodies, 2), 0);
 }
 
+/* A trial begins with the body's share of the evidence, up to a factor of e^2 less than the
+ * largest, and not less than 1e-30. Of the alarm's memory it takes what is lent. The body
+ * that was moved most has all its numbers at 0, the others at less. */
+static void test_a_trial_begins_with_the_share_of_the_evidence(void)
+{
+    /* logs of shares, relative to the largest: equal, just beyond e^-2, nearly no share */
+    static const double LOGS[BODIES] = {0, -5, -200}, LOG_LEAST = -69.07755;
+    static rigcal_real dirty[(BODIES + 1) * RC_ALARM_BODY];
+
+    for (int first = 0; first < BODIES; first++) {
+        begin();
+        for (int b = 0; b <= BODIES; b++) {
+            for (int k = 0; k < RC_ALARM_BODY; k++) { /* past the last: no body */
+                dirty[b * RC_ALARM_BODY + k] =
+                    b < BODIES ? RC(LOGS[(b + first) % BODIES]) : RC(30);
+            }
+        }
+        rc_trial_begin(&f, &alarm, dirty, RC(0.25), RC(0.5));
+        for (int b = 0; b < BODIES; b++) {
+            const rigcal_real *const trial = &dirty[b * RC_ALARM_BODY];
+            const double log = LOGS[(b + first) % BODIES];
+            rigcal_transform pose;
+            rigcal_real Sigma[36];
+
+            rc_trial_result(&pose, Sigma, &f, dirty, (size_t)b);
+            ASSERT_TRANSFORM(&poses[b], &pose, TOL(1e-15, 1e-6), TOL(1e-15, 1e-6));
+            for (int k = 0; k < 36; k++) {
+                const double variance = k < 18 ? 0.0625 : 0.25;
+
+                ASSERT_NEAR(k % 7 == 0 ? variance : 0, Sigma[k], 0);
+            }
+            ASSERT_NEAR(fmin(fmax(log, LOG_LEAST) + 2, 0), trial[RC_TRIAL_LOG],
+                        TOL(1e-5, 1e-4));
+            for (int k = RC_ALARM_WINDOW; k < RC_ALARM_BODY; k++) {
+                ASSERT_NEAR(log, trial[k], 0);
+            }
+        }
+        ASSERT_NEAR(30, dirty[BODIES * RC_ALARM_BODY], 0);
+    }
+}
+
+/* ---- the equations ------------------------------------------------------------- */
+
+/* A trial in double, with its covariance multiplied out. */
+typedef struct {
+    double x[6], P[36], log;
+} plain;
+
+static void plain_of(plain *out, size_t body)
+{
+    const rigcal_real *const trial = &bodies[body * RC_ALARM_BODY];
+    rigcal_transform pose;
+    rigcal_real Sigma[36];
+
+    rc_trial_result(&pose, Sigma, &f, bodies, body);
+    test_to_double(out->x, &trial[RC_TRIAL_MOVE], 6);
+    test_to_double(out->P, Sigma, 36);
+    out->log = D(trial[RC_TRIAL_LOG]);
+}
+
+/* What the known errors of the bodies explain of a row, and the variance they give it. The
+ * filter's covariance is diagonal. */
+static double known(double *variance, const rc_seen *seen, const rc_row *row)
+{
+    double sum = 0;
+
+    *variance = 0;
+    for (int k = 0; k < 2; k++) {
+        const size_t body = k ? seen->b : seen->a;
+
+        for (int i = 0; i < 6 && body > 0; i++) { /* body 0 is the frame */
+            const double h = D(k ? row->h_b[i] : row->h_a[i]);
+            const int at = 6 * ((int)body - 1) + i;
+
+            sum += h * D(error[at]);
+            *variance += h * h * D(UD[at * (at + 3) / 2]);
+        }
+    }
+    return sum;
+}
+
+/* (M15) by textbook: Kalman's equations for the six numbers of one trial. */
+static void learn(plain *trial, const rc_seen *seen, int is_b, double sd, double log_held)
+{
+    const size_t body = is_b ? seen->b : seen->a;
+    rigcal_transform moved = poses[body];
+    rigcal_real x[6];
+    rc_row row;
+    rc_doubt doubt;
+    double h[6], Ph[6] = {0}, hPh = 0, variance, both[3];
+
+    test_to_real(x, trial->x, 6);
+    rc_transform_move(&moved, x);
+    ASSERT_STATUS(RIGCAL_OK, rc_rows_of(&row, seen, is_b ? &poses[seen->a] : &moved,
+                                        is_b ? &moved : &poses[seen->b]));
+    const double nu = (D(row.r) - known(&variance, seen, &row)) / sd;
+    test_to_double(h, is_b ? row.h_b : row.h_a, 6);
+    for (int i = 0; i < 6; i++) {
+        for (int j = 0; j < 6; j++) {
+            Ph[i] += trial->P[6 * i + j] * h[j] / sd;
+        }
+        hPh += h[i] / sd * Ph[i];
+    }
+    const double bend =
+        D(rc_filter_bend(&bodies[body * RC_ALARM_BODY + RC_TRIAL_UD], 6, 0, row.reach));
+    const double S = 1 + hPh * (1 + bend);
+    rc_filter_doubt(&doubt, RC(nu), RC(S), RC(0.1));
+    for (int i = 0; i < 36; i++) {
+        trial->P[i] -= D(doubt.gain) / S * Ph[i / 6] * Ph[i % 6];
+    }
+    const double by = D(doubt.beta) * nu / S;
+    test_cross(both, Ph, trial->x);
+    for (int i = 0; i < 6; i++) {
+        trial->x[i] += by * Ph[i] + (i < 3 ? by / 2 * both[i] : 0);
+    }
+    trial->log += (log(D(doubt.likelihood)) - log_held) / 2;
+}
+
+/* Rows that are right, doubtful and wrong, while the trials have moved by some degrees. The
+ * filter is not sure of the poses either. */
+static void test_each_row_is_taken_as_the_equations_say(void)
+{
+    test_rng rng = test_seed(50);
+    int doubted = 0;
+
+    for (int trial = 0; trial < 20; trial++) {
+        begin();
+        for (int i = 0; i < N; i++) {
+            UD[i * (i + 3) / 2] = RC(1e-6 * test_uniform(&rng, 0.1, 1));
+            error[i] = RC(1e-3 * test_uniform(&rng, -1, 1));
+        }
+        for (int b = 0; b < BODIES; b++) {
+            for (int k = 0; k < 3; k++) {
+                bodies[b * RC_ALARM_BODY + k] = RC(test_uniform(&rng, -0.1, 0.1));
+            }
+        }
+        for (int n = 0; n < 10; n++) {
+            const rc_seen seen = match(&rng, 3);
+            plain expected[BODIES], now;
+            rc_row row;
+            rc_doubt held;
+            double variance;
+
+            for (size_t b = 0; b < BODIES; b++) {
+                plain_of(&expected[b], b);
+            }
+            ASSERT_STATUS(RIGCAL_OK,
+                          rc_rows_of(&row, &seen, &poses[seen.a], &poses[seen.b]));
+            const double nu = D(row.r) - known(&variance, &seen, &row);
+            rc_filter_doubt(&held, RC(nu / sqrt(1 + variance)), 1, RC(0.1));
+            for (int k = 0; k < 2; k++) {
+                learn(&expected[k ? seen.b : seen.a], &seen, k, sqrt(1 + variance),
+                      log(D(held.likelihood)));
+            }
+            TEST_ASSERT_EQUAL_INT(D(held.beta) < 0.5,
+                                  rc_trial_take(&f, bodies, &seen, RC(0.1)));
+            doubted += D(held.beta) < 0.5;
+            for (size_t b = 0; b < BODIES; b++) {
+                plain_of(&now, b);
+                ASSERT_NEAR(expected[b].log, now.log, TOL(1e-7, 0.1));
+                for (int k = 0; k < 6; k++) {
+                    ASSERT_NEAR(expected[b].x[k], now.x[k], TOL(1e-9, 1e-3));
+                }
+                for (int k = 0; k < 36; k++) {
+                    ASSERT_NEAR(expected[b].P[k], now.P[k], TOL(1e-11, 1e-5));
+                }
+            }
+        }
+    }
+    TEST_ASSERT_TRUE(doubted > 20 && doubted < 180);
+}
+
+/* After any number of rows only the differences of the logs count. */
+static void test_logs_of_any_size_give_shares(void)
+{
+    static const double LOGS[BODIES] = {1500, 1499, 1400};
+
+    for (int first = 0; first < BODIES; first++) {
+        begin();
+        for (int b = 0; b < BODIES; b++) {
+            bodies[b * RC_ALARM_BODY + RC_TRIAL_LOG] = RC(LOGS[(b + first) % BODIES]);
+        }
+        for (int settled = 0; settled < 2; settled++) {
+            for (int b = 0; b < BODIES; b++) {
+                const double log = LOGS[(b + first) % BODIES] - 1500;
+
+                ASSERT_NEAR(exp(log) / (1 + exp(-1)), rc_trial_share(&f, bodies, (size_t)b),
+                            TOL(1e-7, 1e-5));
+                if (settled) {
+                    ASSERT_NEAR(log, bodies[b * RC_ALARM_BODY + RC_TRIAL_LOG], 0);
+                }
+            }
+            rc_trial_settle(&f, bodies);
+        }
+    }
+}
+
 /* ---- rows that tell nothing ---------------------------------------------------- */
 
 /* Camera 1 is at a distance of 2 from a target, body 2. It sees a point of the target 0.1
@@ -275,6 +480,9 @@ TEST_MAIN()
 {
     RUN_TEST(test_the_body_that_moved_is_named_and_found);
     RUN_TEST(test_without_rows_all_bodies_are_equally_likely);
+    RUN_TEST(test_a_trial_begins_with_the_share_of_the_evidence);
+    RUN_TEST(test_each_row_is_taken_as_the_equations_say);
+    RUN_TEST(test_logs_of_any_size_give_shares);
     RUN_TEST(test_without_noise_the_step_is_found);
     RUN_TEST(test_an_error_that_is_known_is_no_move);
     RUN_TEST(test_wrong_matches_are_doubted);

@@ -68,7 +68,8 @@ TOKEN = re.compile(r"""/\*.*?\*/ | //[^\n]* | "(?:\\.|[^"\\])*" | '(?:\\.|[^'\\]
     | [A-Za-z_]\w* | (?:\d+\.\d*|\.\d+|\d+)(?:[eE][-+]?\d+)?[uUlLfF]* | 0[xX][\da-fA-F]+
     | \+\+|--|->|<<=|>>=|<=|>=|==|!=|&&|\|\||\+=|-=|\*=|/=|\|=|&=|<<|>> | \S""", re.X | re.S | re.M)
 
-DECLARED = re.compile(r"\s*(?:static\s+)?(?:const\s+)?(?:rigcal_\w+|double|float|int|size_t|u?int\d+_t)\s+\w+[^=]*\[$")
+DECLARED = re.compile(r"\s*(?:static\s+)?(?:const\s+)?(?:(?:rigcal|rc)_\w+|double|float|int|size_t|u?int\d+_t)\s+\w+"
+                      r"(?:[^={}]|=\s*\{[^{}]*\})*\[$")
 
 Mutant = collections.namedtuple("Mutant", "layer number line kind start end text")
 

@@ -846,6 +846,14 @@ def test_cut_files_and_changed_bytes_never_do_anything_else(name, tmp_path):
     assert refused >= 8
 
 
+def test_a_rotation_whose_squares_overflow(tmp_path):
+    sample = SAMPLES["kalibr"]
+    path = sample.put(tmp_path)
+    path.write_text(sample.files[path.name].replace("0.6, 0.0, 0.8", "1e300, 0.0, 0.8"))
+    with pytest.raises(FileError, match="not a rotation"):
+        load_cameras(path)
+
+
 # ==== targets =================================================================
 
 TARGET = "target_type: aprilgrid\ntagCols: 6\ntagRows: 4\ntagSize: 0.1\ntagSpacing: 0.3\n"

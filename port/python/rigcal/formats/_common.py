@@ -129,7 +129,8 @@ def rotation(node: Node) -> Array:
 
 def nearest(R: Array, node: Node) -> Array:
     """R, or the rotation nearest to it where digits were rounded off."""
-    skew = np.abs(R @ R.T - np.eye(3)).max()
+    with np.errstate(over="ignore", invalid="ignore"):
+        skew = np.abs(R @ R.T - np.eye(3)).max()
     if not (skew <= ROUNDING and np.linalg.det(R) > 0):
         raise node.fail("the matrix is not a rotation")
     if skew <= EXACT:

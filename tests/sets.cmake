@@ -22,7 +22,7 @@ set(one about)
 
 # Two rigs of 80 views take 128 KB. The rays of an image and all windows of an alarm take
 # more than 256 KB. The arguments of all functions, with the stack, take more than 16 KB.
-set(wants_256k cost judge cause outline spans match alarm border)
+set(wants_256k cost judge cause outline spans spans_arcs match alarm border)
 set(wants_32k hostile)
 
 set(target

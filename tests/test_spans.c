@@ -330,19 +330,6 @@ static void test_too_little_room_is_refused(void)
 
 /* ---- lenses for which nothing is promised ---------------------------------- */
 
-/* A lens that nearly folds in a ring: 1 + 3 k1 s + 5 k2 s^2 has its least value, a few
- * thousandths, at s = r^2 = -3 k1 / (10 k2). Bands as wide as the ring and wider. */
-static void make_wild(test_bands *scene, test_rng *rng)
-{
-    test_bands_random(scene, rng, TEST_PINHOLE, 16 * SIDE);
-    scene->b.k2 = RC(exp(test_uniform(rng, log(2), log(80))));
-    scene->b.k1 = RC(-sqrt(20.0 / 9 * D(scene->b.k2) * test_uniform(rng, 0.9, 0.9999)));
-    scene->b.fx = RC(D(scene->b.width) * exp(test_uniform(rng, log(0.1), log(1.2))));
-    scene->b.fy = RC(D(scene->b.fx) * test_uniform(rng, 0.9, 1.1));
-    scene->pair.sigma_b =
-        RC(D(scene->b.fx) * exp(test_uniform(rng, log(1e-3), 0)) / D(scene->pair.k));
-}
-
 /* The spans of each row are in order and in the image. */
 static void assert_rows_in_order(const rigcal_camera *lens)
 {
@@ -380,7 +367,7 @@ static void test_a_lens_that_nearly_folds_ends_the_search_all_the_same(void)
         test_bands scene;
         rigcal_band band;
 
-        make_wild(&scene, &rng);
+        test_bands_wild(&scene, &rng, 16 * SIDE);
         if (rigcal_band_make(&band, &scene.pair, scene.uv_a) != RIGCAL_OK ||
             rigcal_spans_begin(&solver, &band) != RIGCAL_OK) {
             continue; /* no line, or a band without two borders */

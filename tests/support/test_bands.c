@@ -113,6 +113,17 @@ void test_bands_random(test_bands *scene, test_rng *rng, int kind, double size)
     scene->uv_a[1] = RC(test_uniform(rng, 0, scene->a.height - 1));
 }
 
+void test_bands_wild(test_bands *scene, test_rng *rng, double size)
+{
+    test_bands_random(scene, rng, TEST_PINHOLE, size);
+    scene->b.k2 = RC(exp(test_uniform(rng, log(2), log(80))));
+    scene->b.k1 = RC(-sqrt(20.0 / 9 * D(scene->b.k2) * test_uniform(rng, 0.9, 0.9999)));
+    scene->b.fx = RC(D(scene->b.width) * exp(test_uniform(rng, log(0.1), log(1.2))));
+    scene->b.fy = RC(D(scene->b.fx) * test_uniform(rng, 0.9, 1.1));
+    scene->pair.sigma_b =
+        RC(D(scene->b.fx) * exp(test_uniform(rng, log(1e-3), 0)) / D(scene->pair.k));
+}
+
 void test_bands_beside(rigcal_match_pair *pair, rigcal_camera *camera, double sigma_b,
                        double k)
 {

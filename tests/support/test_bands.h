@@ -21,6 +21,11 @@ typedef struct {
  * all cross terms. The depth range has both ends, one, or none. */
 void test_bands_random(test_bands *scene, test_rng *rng, int kind, double size);
 
+/* The same, but camera b has a lens that nearly folds in a ring: 1 + 3 k1 s + 5 k2 s^2 has
+ * its least value, a few thousandths, at s = r^2 = -3 k1 / (10 k2). Bands as wide as the
+ * ring and wider: nothing is promised. */
+void test_bands_wild(test_bands *scene, test_rng *rng, double size);
+
 /* Camera b is 1 to the right of a. Both are the same pinhole of 80 x 60 px, so lines are
  * rows. sigma_b is the only noise. The pair keeps a pointer to the camera. */
 void test_bands_beside(rigcal_match_pair *pair, rigcal_camera *camera, double sigma_b,

@@ -36,7 +36,7 @@ out=$PWD/build/matrix
 strict="-Wall -Wextra -Wpedantic -Wconversion -Wdouble-promotion -Wshadow -Werror"
 tests="adjust bytes camera chain chance diagnose faults filter graph hostile judge join layout
     lens levenberg linalg locate match measure monitor neldermead p3p paper pose rig robust
-    rotation score seeds spans store store_rig trial triangulate verdict watch"
+    rotation score seeds spans spans_arcs store store_rig trial triangulate verdict watch"
 # Link-time optimisation compiles the whole library for each program, which takes long. So
 # only these tests are run.
 tests_lto="lens measure pose rig store"

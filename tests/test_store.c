@@ -377,6 +377,95 @@ static void test_what_is_no_covariance_is_not_saved(void)
     }
 }
 
+/* Unknowns 0 and 4 have the variances 4 and 1/16, and the others 1. What is added to a
+ * correlation is a part of the tolerance, 1e-9 (float: 1e-5). */
+static void test_rounding_of_a_correlation_is_accepted_within_its_tolerance(void)
+{
+    const double tol = TOL(1e-9, 1e-5);
+    const struct {
+        double below, above; /* covariances of 0 and 4, on both sides of the diagonal */
+        rigcal_status status;
+    } CASES[] = {
+        {0.5 * (1 + 0.4 * tol), 0.5 * (1 + 0.4 * tol), RIGCAL_OK}, /* correlated fully */
+        {-0.5 * (1 + 0.4 * tol), -0.5 * (1 + 0.4 * tol), RIGCAL_OK},
+        {0.5 * (1 + 2 * tol), 0.5 * (1 + 2 * tol), RIGCAL_ERR_RANGE},
+        {-0.5 * (1 + 2 * tol), -0.5 * (1 + 2 * tol), RIGCAL_ERR_RANGE},
+        {0.5 * 0.7 * tol, 0, RIGCAL_OK}, /* not symmetric */
+        {0, 0.5 * 0.7 * tol, RIGCAL_OK},
+        {0.5 * 1.5 * tol, 0, RIGCAL_ERR_RANGE},
+        {0, 0.5 * 1.5 * tol, RIGCAL_ERR_RANGE},
+    };
+    uint8_t bytes[RIGCAL_STORE_SIZE(1)];
+    size_t n;
+
+    for (size_t k = 0; k < sizeof CASES / sizeof CASES[0]; k++) {
+        rigcal_mounted_camera m = calibration[1];
+
+        for (int i = 0; i < 36; i++) {
+            m.Sigma[i] = RC(i % 7 == 0);
+        }
+        m.Sigma[0] = 4;
+        m.Sigma[28] = RC(0.0625);
+        m.Sigma[24] = RC(CASES[k].below);
+        m.Sigma[4] = RC(CASES[k].above);
+        ASSERT_STATUS(CASES[k].status,
+                      rigcal_store_save(bytes, sizeof bytes, &n, &m, 1, 0, 0));
+    }
+}
+
+/* Three unknowns whose pairs are possible, but whose determinant is below 0. */
+static void test_three_correlations_that_contradict_each_other_are_refused(void)
+{
+    static const double R[][3] = {{0.9, 0.9, 0.3}, {0.9, -0.9, 0}, {0.5, 0.8, -0.2}};
+    uint8_t bytes[RIGCAL_STORE_SIZE(1)];
+    size_t n;
+
+    for (int k = 0; k < 3; k++) {
+        for (int first = 0; first < 4; first++) {
+            for (int possible = 0; possible < 2; possible++) {
+                const double a = R[k][0], b = R[k][1], c = possible ? a * b : R[k][2];
+                rigcal_mounted_camera m = calibration[1];
+                rigcal_real *const S = m.Sigma + 7 * first;
+
+                for (int i = 0; i < 36; i++) {
+                    m.Sigma[i] = RC(i % 7 == 0);
+                }
+                S[1] = S[6] = RC(a);
+                S[2] = S[12] = RC(b);
+                S[8] = S[13] = RC(c);
+                TEST_ASSERT_TRUE((1 + 2 * a * b * c - a * a - b * b - c * c > 0) ==
+                                 possible);
+                ASSERT_STATUS(possible ? RIGCAL_OK : RIGCAL_ERR_RANGE,
+                              rigcal_store_save(bytes, sizeof bytes, &n, &m, 1, 0, 0));
+            }
+        }
+    }
+}
+
+/* Nothing reads the bytes that a compiler leaves between two fields. */
+static void test_what_is_between_the_fields_of_a_camera_is_not_read(void)
+{
+    static rigcal_mounted_camera m;
+    uint8_t bytes[2][RIGCAL_STORE_SIZE(1)];
+    size_t n;
+
+    for (int k = 0; k < 2; k++) {
+        const rigcal_mounted_camera *const from = &calibration[1];
+
+        memset(&m, k == 0 ? 0 : 0xff, sizeof m);
+        m.camera.lens = from->camera.lens;
+        m.camera.width = from->camera.width;
+        m.camera.height = from->camera.height;
+        memcpy(&m.camera.fx, &from->camera.fx, 12 * sizeof from->camera.fx);
+        memcpy(&m.cam_from_rig, &from->cam_from_rig, sizeof m.cam_from_rig);
+        memcpy(m.Sigma, from->Sigma, sizeof m.Sigma);
+        m.has_Sigma = from->has_Sigma;
+        ASSERT_STATUS(RIGCAL_OK,
+                      rigcal_store_save(bytes[k], sizeof bytes[k], &n, &m, 1, 0, 0));
+    }
+    TEST_ASSERT_EQUAL_HEX8_ARRAY(bytes[0], bytes[1], n);
+}
+
 static void test_an_exact_pose_has_a_covariance_of_zeros(void)
 {
     rigcal_mounted_camera loaded;
@@ -908,6 +997,39 @@ static void test_what_could_not_be_loaded_is_not_saved(void)
     assert_not_saved(RIGCAL_ERR_CAMERA, OWN_BYTES, N);
 }
 
+static void test_a_missing_argument_is_named(void)
+{
+    uint8_t bytes[OWN_BYTES];
+    rigcal_mounted_camera cameras[N];
+    rigcal_saved_info info;
+    size_t n;
+
+    ASSERT_REFUSED(RIGCAL_ERR_NULL, n,
+                   rigcal_store_save(NULL, OWN_BYTES, &n, calibration, N, 0, 0));
+    ASSERT_REFUSED(RIGCAL_ERR_NULL, bytes,
+                   rigcal_store_save(bytes, OWN_BYTES, NULL, calibration, N, 0, 0));
+    ASSERT_REFUSED(RIGCAL_ERR_NULL, bytes,
+                   rigcal_store_save(bytes, OWN_BYTES, &n, NULL, N, 0, 0));
+    ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_store_info(NULL, own, sizeof own));
+    ASSERT_REFUSED(RIGCAL_ERR_NULL, info, rigcal_store_info(&info, NULL, sizeof own));
+    ASSERT_REFUSED(RIGCAL_ERR_NULL, info,
+                   rigcal_store_load(NULL, N, &info, own, sizeof own));
+    ASSERT_REFUSED(RIGCAL_ERR_NULL, cameras,
+                   rigcal_store_load(cameras, N, NULL, own, sizeof own));
+    ASSERT_REFUSED(RIGCAL_ERR_NULL, cameras,
+                   rigcal_store_load(cameras, N, &info, NULL, sizeof own));
+}
+
+/* Bytes as long as a header are enough to see that they are foreign. */
+static void test_a_foreign_header_is_foreign_and_a_lone_header_damaged(void)
+{
+    uint8_t foreign[32] = {'R', 'I', 'G', 'D'};
+
+    assert_refused(RIGCAL_ERR_FOREIGN, foreign, 32);
+    assert_refused(RIGCAL_ERR_DAMAGED, foreign, 31);
+    assert_refused(RIGCAL_ERR_DAMAGED, own, 32);
+}
+
 /* 24 MB in double. */
 static void test_the_most_cameras_are_saved_and_loaded(void)
 {
@@ -946,6 +1068,9 @@ TEST_MAIN_WITH_SETUP()
     RUN_TEST(test_the_bytes_of_the_other_precision_are_loaded_too);
     RUN_TEST(test_what_was_saved_is_loaded_bit_by_bit);
     RUN_TEST(test_what_is_no_covariance_is_not_saved);
+    RUN_TEST(test_rounding_of_a_correlation_is_accepted_within_its_tolerance);
+    RUN_TEST(test_three_correlations_that_contradict_each_other_are_refused);
+    RUN_TEST(test_what_is_between_the_fields_of_a_camera_is_not_read);
     RUN_TEST(test_an_exact_pose_has_a_covariance_of_zeros);
     RUN_TEST(test_a_covariance_that_is_not_known_is_not_read);
     if (RIGCAL_USE_FLOAT) {
@@ -961,11 +1086,13 @@ TEST_MAIN_WITH_SETUP()
     RUN_TEST(test_two_flipped_bits_are_refused);
     RUN_TEST(test_what_follows_does_not_matter);
     RUN_TEST(test_other_bytes_are_foreign);
+    RUN_TEST(test_a_foreign_header_is_foreign_and_a_lone_header_damaged);
     RUN_TEST(test_another_version_or_precision_is_named);
     RUN_TEST(test_counts_that_do_not_fit_the_length_are_damage);
     RUN_TEST(test_numbers_that_no_function_takes_are_not_loaded);
     RUN_TEST(test_integers_that_no_function_takes_are_not_loaded);
     RUN_TEST(test_too_many_cameras_for_the_room_are_refused);
     RUN_TEST(test_what_could_not_be_loaded_is_not_saved);
+    RUN_TEST(test_a_missing_argument_is_named);
     RUN_TEST(test_the_most_cameras_are_saved_and_loaded);
 }

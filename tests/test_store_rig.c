@@ -205,6 +205,8 @@ static void test_the_size_is_as_the_table_says(void)
     TEST_ASSERT_EQUAL_size_t(0, rigcal_store_rig_size(3, 4));
     TEST_ASSERT_EQUAL_size_t(0, rigcal_store_rig_size(65536, 2));
     TEST_ASSERT_EQUAL_size_t(0, rigcal_store_rig_size(65535, 3801));
+    TEST_ASSERT_EQUAL_size_t(RIGCAL_STORE_RIG_SIZE((uint64_t)65535, (uint64_t)3800),
+                             rigcal_store_rig_size(65535, 3800));
     TEST_ASSERT_EQUAL_size_t(0, rigcal_store_rig_size(SIZE_MAX, SIZE_MAX));
     TEST_ASSERT_TRUE(rigcal_store_rig_size(65535, 3800) <= INT32_MAX);
 }
@@ -381,6 +383,130 @@ static void test_pairs_of_the_loaded_rig_are_those_of_the_adjusted_one(void)
             }
         }
     }
+}
+
+/* ---- the edge of what is taken --------------------------------------------- */
+
+/* Saves the rig and loads it again: both must give this status. */
+static void there_and_back(rigcal_status expected)
+{
+    static uint8_t bytes[OWN_BYTES];
+    memory m;
+    rigcal_calibrated_rig loaded = open_rig(&m);
+    rigcal_saved_info info;
+    size_t n = 0;
+
+    ASSERT_STATUS(expected, rigcal_store_save_rig(bytes, sizeof bytes, &n, &rig, 0, 0));
+    if (expected == RIGCAL_OK) {
+        ASSERT_STATUS(RIGCAL_OK, rigcal_store_load_rig(&loaded, &info, bytes, n));
+        assert_same_rig(&rig, &loaded);
+    } else {
+        (void)rc_put_reals(own + SIGMA_AT, saved.Sigma, SIGMA_REALS);
+        seal(own, sizeof own);
+        assert_refused(expected, own, sizeof own);
+    }
+    setUp();
+}
+
+static void unit_covariance(void)
+{
+    for (size_t i = 0; i < UNKNOWNS; i++) {
+        for (size_t j = 0; j <= i; j++) {
+            saved.Sigma[at_of(i, j)] = RC(i == j);
+        }
+    }
+}
+
+/* Unknowns of two cameras that are correlated fully, to rounding. */
+static void test_a_correlation_of_two_cameras_may_exceed_1_by_rounding(void)
+{
+    const double tol = TOL(1e-9, 1e-5);
+
+    for (int sign = -1; sign <= 1; sign += 2) {
+        for (int k = 0; k < 3; k++) {
+            const double r = sign * (k == 0 ? 1 + 0.4 * tol : k == 1 ? 1 + 2 * tol : 1.5);
+
+            unit_covariance();
+            saved.Sigma[at_of(2, 2)] = 4;
+            saved.Sigma[at_of(9, 9)] = RC(0.25);
+            saved.Sigma[at_of(9, 2)] = RC(r);
+            there_and_back(k == 0 ? RIGCAL_OK : RIGCAL_ERR_RANGE);
+        }
+    }
+}
+
+/* Nothing is left to know of some unknowns. */
+static void test_a_variance_of_0_is_taken(void)
+{
+    for (size_t first = 0; first < UNKNOWNS; first++) {
+        for (size_t i = first; i < UNKNOWNS && i < first + 3; i++) {
+            for (size_t j = 0; j < UNKNOWNS; j++) {
+                saved.Sigma[at_of(i, j)] = 0;
+            }
+        }
+        there_and_back(RIGCAL_OK);
+    }
+}
+
+static void test_a_rig_of_which_all_cameras_are_held_has_no_covariance(void)
+{
+    uint8_t bytes[OWN_BYTES];
+    memory m;
+    rigcal_calibrated_rig loaded = open_rig(&m);
+    rigcal_saved_info info;
+    size_t n;
+
+    memset(saved.held, 1, sizeof saved.held);
+    ASSERT_STATUS(RIGCAL_OK, rigcal_store_save_rig(bytes, sizeof bytes, &n, &rig, 5, 6));
+    TEST_ASSERT_EQUAL_size_t(SIGMA_AT, n);
+    loaded.Sigma_capacity = 0;
+    FILL(m);
+    ASSERT_STATUS(RIGCAL_OK, rigcal_store_load_rig(&loaded, &info, bytes, n));
+    ASSERT_UNTOUCHED(m.Sigma);
+    TEST_ASSERT_EQUAL_INT32(0, info.n_free);
+    loaded.Sigma = NULL; /* also without an element it is an array */
+    ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_store_load_rig(&loaded, &info, bytes, n));
+    for (size_t c = 0; c < N; c++) {
+        TEST_ASSERT_EQUAL_UINT8(1, m.held[c]);
+        TEST_ASSERT_EQUAL_INT32(1, m.cameras[c].has_Sigma);
+        for (size_t k = 0; k < 36; k++) {
+            ASSERT_NEAR(0, m.cameras[c].Sigma[k], 0);
+        }
+    }
+}
+
+static void test_a_missing_argument_is_named(void)
+{
+    static memory m;
+    uint8_t bytes[OWN_BYTES];
+    const rigcal_calibrated_rig whole = open_rig(&m);
+    rigcal_calibrated_rig loaded = whole;
+    rigcal_saved_info info;
+    size_t n;
+
+    ASSERT_REFUSED(RIGCAL_ERR_NULL, n,
+                   rigcal_store_save_rig(NULL, OWN_BYTES, &n, &rig, 0, 0));
+    ASSERT_REFUSED(RIGCAL_ERR_NULL, bytes,
+                   rigcal_store_save_rig(bytes, OWN_BYTES, NULL, &rig, 0, 0));
+    ASSERT_REFUSED(RIGCAL_ERR_NULL, bytes,
+                   rigcal_store_save_rig(bytes, OWN_BYTES, &n, NULL, 0, 0));
+    ASSERT_REFUSED(RIGCAL_ERR_NULL, info,
+                   rigcal_store_load_rig(NULL, &info, own, sizeof own));
+    ASSERT_REFUSED(RIGCAL_ERR_NULL, m,
+                   rigcal_store_load_rig(&loaded, NULL, own, sizeof own));
+    ASSERT_REFUSED(RIGCAL_ERR_NULL, m,
+                   rigcal_store_load_rig(&loaded, &info, NULL, sizeof own));
+    loaded.cameras = NULL;
+    ASSERT_REFUSED(RIGCAL_ERR_NULL, m,
+                   rigcal_store_load_rig(&loaded, &info, own, sizeof own));
+    loaded = whole;
+    loaded.group = NULL;
+    ASSERT_REFUSED(RIGCAL_ERR_NULL, m,
+                   rigcal_store_load_rig(&loaded, &info, own, sizeof own));
+    loaded = whole;
+    loaded.held = NULL;
+    ASSERT_REFUSED(RIGCAL_ERR_NULL, m,
+                   rigcal_store_load_rig(&loaded, &info, own, sizeof own));
 }
 
 /* ---- damage --------------------------------------------------------------- */
@@ -652,6 +778,10 @@ TEST_MAIN_WITH_SETUP()
     RUN_TEST(test_the_bytes_of_the_other_precision_are_loaded_too);
     RUN_TEST(test_bytes_of_the_older_form_are_loaded_without_a_joint_covariance);
     RUN_TEST(test_pairs_of_the_loaded_rig_are_those_of_the_adjusted_one);
+    RUN_TEST(test_a_correlation_of_two_cameras_may_exceed_1_by_rounding);
+    RUN_TEST(test_a_variance_of_0_is_taken);
+    RUN_TEST(test_a_rig_of_which_all_cameras_are_held_has_no_covariance);
+    RUN_TEST(test_a_missing_argument_is_named);
     RUN_TEST(test_every_length_too_short_is_refused);
     RUN_TEST(test_every_single_bit_flipped_is_refused);
     RUN_TEST(test_every_torn_write_is_refused);

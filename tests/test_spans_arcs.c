@@ -375,6 +375,79 @@ static int watch(const rigcal_band *band)
     return units;
 }
 
+/* ---- the spans in the end ------------------------------------------------------ */
+
+/* Whether a pixel of the image is in the band: 1, 0, or -1 if rounding decides. */
+static int is_in(const test_bands *scene, const test_ray *a, int32_t u, int32_t v)
+{
+    const rigcal_real uv[2] = {RC(u), RC(v)};
+    test_ray ray;
+    test_band_truth truth;
+
+    if (!test_ray_of(&ray, &scene->b, uv)) {
+        return -1;
+    }
+    test_band_look(&truth, scene, a, &ray);
+    return truth.margin < TOL(1e-6, 2e-2) ? -1 : truth.is_inside;
+}
+
+static int is_found(const rigcal_span spans[], size_t n, int32_t u)
+{
+    for (size_t k = 0; k < n; k++) {
+        if (spans[k].first <= u && u <= spans[k].last) {
+            return 1;
+        }
+    }
+    return 0;
+}
+
+/* A pixel of the band must be in a span. A pixel in a span must be of the band, or the next
+ * one is. */
+static void assert_pixel_of_row(const test_bands *scene, const test_ray *a,
+                                const rigcal_span spans[], size_t n, int32_t u, int32_t v)
+{
+    if (u < 0 || u >= scene->b.width) {
+        return;
+    }
+    if (!is_found(spans, n, u)) {
+        TEST_ASSERT_TRUE_MESSAGE(is_in(scene, a, u, v) < 1, "missed");
+        return;
+    }
+    TEST_ASSERT_TRUE_MESSAGE(is_in(scene, a, u, v) != 0 || is_in(scene, a, u - 1, v) != 0 ||
+                                 is_in(scene, a, u + 1, v) != 0,
+                             "more than a pixel too many");
+}
+
+/* Rows of the image: pixels at both ends of each span, at the ends of the row, and some
+ * others. */
+static void assert_rows(const test_bands *scene, test_rng *rng)
+{
+    enum { ROWS = 12, OTHERS = 4 };
+    test_ray a;
+
+    TEST_ASSERT_TRUE(test_ray_of(&a, &scene->a, scene->uv_a));
+    for (int i = 0; i < ROWS; i++) {
+        const int32_t height = scene->b.height, width = scene->b.width;
+        const int32_t v = i < 2 ? i * (height - 1) : (int32_t)test_uniform(rng, 0, height);
+        rigcal_span spans[RIGCAL_SPANS_ROW];
+        size_t n;
+
+        ASSERT_STATUS(RIGCAL_OK, rigcal_spans_row(spans, &n, &solver, v));
+        for (size_t k = 0; k < n; k++) {
+            for (int32_t more = -1; more <= 1; more++) {
+                assert_pixel_of_row(scene, &a, spans, n, spans[k].first + more, v);
+                assert_pixel_of_row(scene, &a, spans, n, spans[k].last + more, v);
+            }
+        }
+        for (int k = 0; k < OTHERS + 2; k++) {
+            const int32_t u =
+                k < 2 ? k * (width - 1) : (int32_t)test_uniform(rng, 0, width);
+
+            assert_pixel_of_row(scene, &a, spans, n, u, v);
+        }
+    }
+}
+
 /* ---- bands --------------------------------------------------------------------- */
 
 static void watch_bands(int kind, uint64_t seed, double size, double half)
@@ -390,7 +463,9 @@ static void watch_bands(int kind, uint64_t seed, double size, double half)
             RC(test_uniform(&rng, 0.01, half) * D(scene.b.fx) / D(scene.pair.k));
     }
     if (rigcal_band_make(&band, &scene.pair, scene.uv_a) == RIGCAL_OK) {
-        (void)watch(&band);
+        if (watch(&band) > 0 && is_promised && solver.status == RIGCAL_OK) {
+            assert_rows(&scene, &rng);
+        }
     }
 }
 

@@ -23,7 +23,7 @@ static int is_promised; /* that no pixel is missed */
 
 /* What was seen on the borders so far. */
 static struct {
-    int taken, halved, doubled, unseen, of_range, left_image, limited, out_of_arcs;
+    int taken, halved, doubled, unseen, of_range, left_image, limited, out_of_arcs, empty;
 } seen;
 
 /* ---- places of the line ----------------------------------------------------- */
@@ -183,6 +183,28 @@ static void assert_way_begins(void)
     assert_aimed(D(solver.length) / D(solver.start_speed));
 }
 
+/* The border did not go on from its first place: that is an end of the depth range. */
+static void assert_empty_way(int side, int way)
+{
+    const rigcal_border_end *const corner = &solver.corners[side][way];
+
+    ASSERT_NEAR(angle_of(solver.ends[way]), angle_of(solver.start), SAME);
+    TEST_ASSERT_EQUAL_INT32(1, corner->is_of_range);
+    ASSERT_NEAR(solver.start_height, corner->height, 0);
+    ASSERT_NEAR(solver.start_uv[0], corner->uv[0], 0);
+    ASSERT_NEAR(solver.start_uv[1], corner->uv[1], 0);
+    seen.empty++;
+}
+
+/* The first place of a border was found: it is followed towards far, then towards near. */
+static void assert_first_way(void)
+{
+    if (solver.way != 0) {
+        TEST_ASSERT_EQUAL_INT32(1, solver.way);
+        assert_empty_way(solver.side, 0);
+    }
+}
+
 /* Whether the unit ended the border in this direction. */
 static int has_ended(void)
 {
@@ -204,6 +226,8 @@ static void assert_end(double place, double u, double v, int is_of_range)
     if (solver.phase == TRACE) {
         TEST_ASSERT_EQUAL_INT32(1, solver.way);
         assert_way_begins();
+    } else if (before.way == 0) {
+        assert_empty_way(before.side, 1);
     }
 }
 
@@ -369,6 +393,7 @@ static int watch(const rigcal_band *band)
             assert_node();
         } else if (solver.phase == TRACE) {
             TEST_ASSERT_EQUAL_INT32(before.side, solver.side);
+            assert_first_way();
             assert_way_begins();
         }
     }
@@ -477,7 +502,8 @@ static void test_a_border_is_followed_by_arcs_within_the_tolerance(void)
     }
     TEST_ASSERT_TRUE(TEST_ONE_IN > 1 ||
                      (seen.taken > 500 && seen.halved > 20 && seen.doubled > 20));
-    TEST_ASSERT_TRUE(TEST_ONE_IN > 1 || (seen.of_range > 20 && seen.left_image > 20));
+    TEST_ASSERT_TRUE(TEST_ONE_IN > 1 ||
+                     (seen.of_range > 20 && seen.left_image > 20 && seen.empty > 20));
 }
 
 static void test_borders_of_wide_bands_are_followed_too(void)
@@ -506,9 +532,38 @@ static void test_borders_of_a_lens_that_nearly_folds_are_followed_too(void)
     TEST_ASSERT_TRUE(TEST_ONE_IN > 1 || (seen.limited > 0 && seen.out_of_arcs > 0));
 }
 
+/* Camera b is 1 to the right of a, and both have 8 x 6 pixels and a focal length of 0.8: the
+ * border moves by less than a pixel for a radian. */
+static void test_a_focal_length_may_be_less_than_a_pixel(void)
+{
+    static const rigcal_real uv_a[2] = {4, 3};
+    rigcal_camera camera;
+    rigcal_match_pair pair;
+    rigcal_span spans[8];
+    rigcal_band band;
+    size_t n;
+
+    test_bands_beside(&pair, &camera, 0.1, 2);
+    pair.near_a = RC(0.15); /* column 4 - 0.8 / 0.15, outside */
+    camera.width = 8;
+    camera.height = 6;
+    camera.fx = camera.fy = RC(0.8);
+    camera.cx = 4;
+    camera.cy = 3;
+    is_promised = 1;
+    ASSERT_STATUS(RIGCAL_OK, rigcal_band_make(&band, &pair, uv_a));
+    TEST_ASSERT_TRUE(watch(&band) > 0);
+    ASSERT_STATUS(RIGCAL_OK, rigcal_spans_result(spans, 8, &n, &solver));
+    TEST_ASSERT_EQUAL_UINT64(1, n);
+    TEST_ASSERT_EQUAL_INT32(3, spans[0].row);
+    TEST_ASSERT_EQUAL_INT32(0, spans[0].first);
+    TEST_ASSERT_EQUAL_INT32(4, spans[0].last);
+}
+
 TEST_MAIN()
 {
     RUN_TEST(test_a_border_is_followed_by_arcs_within_the_tolerance);
     RUN_TEST(test_borders_of_wide_bands_are_followed_too);
+    RUN_TEST(test_a_focal_length_may_be_less_than_a_pixel);
     RUN_TEST(test_borders_of_a_lens_that_nearly_folds_are_followed_too);
 }

@@ -392,6 +392,7 @@ static void test_rounding_of_a_correlation_is_accepted_within_its_tolerance(void
         {-0.5 * (1 + 2 * tol), -0.5 * (1 + 2 * tol), RIGCAL_ERR_RANGE},
         {0.5 * 0.7 * tol, 0, RIGCAL_OK}, /* not symmetric */
         {0, 0.5 * 0.7 * tol, RIGCAL_OK},
+        {0, 0.5 * tol, RIGCAL_OK},
         {0.5 * 1.5 * tol, 0, RIGCAL_ERR_RANGE},
         {0, 0.5 * 1.5 * tol, RIGCAL_ERR_RANGE},
     };

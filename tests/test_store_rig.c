@@ -203,6 +203,7 @@ static void test_the_size_is_as_the_table_says(void)
     TEST_ASSERT_EQUAL_size_t(CAMERAS_AT + STRIDE, rigcal_store_rig_size(1, 0));
     TEST_ASSERT_EQUAL_size_t(0, rigcal_store_rig_size(0, 0));
     TEST_ASSERT_EQUAL_size_t(0, rigcal_store_rig_size(3, 4));
+    TEST_ASSERT_EQUAL_size_t(RIGCAL_STORE_RIG_SIZE(3, 3), rigcal_store_rig_size(3, 3));
     TEST_ASSERT_EQUAL_size_t(0, rigcal_store_rig_size(65536, 2));
     TEST_ASSERT_EQUAL_size_t(0, rigcal_store_rig_size(65535, 3801));
     TEST_ASSERT_EQUAL_size_t(RIGCAL_STORE_RIG_SIZE((uint64_t)65535, (uint64_t)3800),
@@ -432,6 +433,54 @@ static void test_a_correlation_of_two_cameras_may_exceed_1_by_rounding(void)
             saved.Sigma[at_of(9, 2)] = RC(r);
             there_and_back(k == 0 ? RIGCAL_OK : RIGCAL_ERR_RANGE);
         }
+    }
+}
+
+/* Pairs of unknowns and the block of each camera are checked. The whole is not: that would
+ * take the time of its factor. */
+static void test_cameras_may_contradict_each_other_if_no_pair_does(void)
+{
+    unit_covariance();
+    saved.Sigma[at_of(2, 1)] = saved.Sigma[at_of(6, 1)] = RC(0.9);
+    saved.Sigma[at_of(6, 2)] = RC(-0.9);
+    there_and_back(RIGCAL_OK);
+}
+
+/* The array may be longer than the covariance. */
+static void test_what_is_behind_the_covariance_is_not_read(void)
+{
+    enum { MORE = RIGCAL_CALIBRATED_SIZE(FREE + 1) };
+    static rigcal_real longer[MORE];
+
+    for (size_t k = 0; k < MORE; k++) {
+        longer[k] = k < SIGMA_REALS ? saved.Sigma[k] : TEST_NAN;
+    }
+    rig.Sigma = longer;
+    rig.Sigma_capacity = MORE;
+    there_and_back(RIGCAL_OK);
+}
+
+/* Of two faults, that of the joint covariance is named. */
+static void test_the_joint_covariance_is_checked_before_the_cameras(void)
+{
+    for (int k = 0; k < 2; k++) {
+        const double bad = k == 0 ? test_nan() : -1;
+        const rigcal_status status = k == 0 ? RIGCAL_ERR_NOT_FINITE : RIGCAL_ERR_RANGE;
+        uint8_t bytes[OWN_BYTES];
+        size_t n;
+
+        saved.Sigma[at_of(8, 8)] = RC(bad);
+        saved.cameras[0].cam_from_rig.R[4] = 2;
+        ASSERT_REFUSED(status, n,
+                       rigcal_store_save_rig(bytes, sizeof bytes, &n, &rig, 0, 0));
+        put_real(own + SIGMA_AT + at_of(8, 8) * OWN_REAL, bad);
+        put_real(own + CAMERAS_AT + 20 + 16 * OWN_REAL, 2);
+        seal(own, sizeof own);
+        assert_refused(status, own, sizeof own);
+        put_real(own + SIGMA_AT + at_of(8, 8) * OWN_REAL, 1);
+        seal(own, sizeof own);
+        assert_refused(RIGCAL_ERR_ROTATION, own, sizeof own);
+        setUp();
     }
 }
 
@@ -754,6 +803,8 @@ static void test_what_could_not_be_loaded_is_not_saved(void)
     saved.group[1] = 1;
     saved.group[2] = 3;
     assert_not_saved(RIGCAL_ERR_RANGE, OWN_BYTES);
+    saved.cameras[0].cam_from_rig.R[4] = 2;
+    assert_not_saved(RIGCAL_ERR_ROTATION, OWN_BYTES);
     saved.cameras[2].cam_from_rig.R[4] = 2;
     assert_not_saved(RIGCAL_ERR_ROTATION, OWN_BYTES);
     saved.cameras[2].camera.width = 0;
@@ -779,6 +830,9 @@ TEST_MAIN_WITH_SETUP()
     RUN_TEST(test_bytes_of_the_older_form_are_loaded_without_a_joint_covariance);
     RUN_TEST(test_pairs_of_the_loaded_rig_are_those_of_the_adjusted_one);
     RUN_TEST(test_a_correlation_of_two_cameras_may_exceed_1_by_rounding);
+    RUN_TEST(test_cameras_may_contradict_each_other_if_no_pair_does);
+    RUN_TEST(test_what_is_behind_the_covariance_is_not_read);
+    RUN_TEST(test_the_joint_covariance_is_checked_before_the_cameras);
     RUN_TEST(test_a_variance_of_0_is_taken);
     RUN_TEST(test_a_rig_of_which_all_cameras_are_held_has_no_covariance);
     RUN_TEST(test_a_missing_argument_is_named);

@@ -532,6 +532,21 @@ static void test_borders_of_a_lens_that_nearly_folds_are_followed_too(void)
     TEST_ASSERT_TRUE(TEST_ONE_IN > 1 || (seen.limited > 0 && seen.out_of_arcs > 0));
 }
 
+/* An end of the depth range crosses such an image in a curve. An error of a hundredth of
+ * the angle between two pixels of a small image is a pixel here. */
+static void test_bands_of_a_large_image_are_as_accurate(void)
+{
+    if (RIGCAL_USE_FLOAT) {
+        return; /* pixels of such an image are only right to some hundredths */
+    }
+    memset(&seen, 0, sizeof seen);
+    for (int i = 0; i < TEST_TRIALS(120); i++) {
+        watch_bands(i % 3 == 0 ? TEST_PINHOLE : TEST_FISHEYE, 5900 + (uint64_t)i, 40000,
+                    0.5);
+    }
+    TEST_ASSERT_TRUE(TEST_ONE_IN > 1 || seen.of_range > 20);
+}
+
 /* The same pinhole twice, moved by 1 across its axis in 24 directions. The line passes the
  * axis at any distance, and the band is up to half a focal length wide on each side: its
  * borders leave the image at other places, are joined outside it, and may reach no pixel. */
@@ -599,6 +614,7 @@ TEST_MAIN()
     RUN_TEST(test_a_border_is_followed_by_arcs_within_the_tolerance);
     RUN_TEST(test_borders_of_wide_bands_are_followed_too);
     RUN_TEST(test_bands_in_all_directions_are_joined_outside_the_image);
+    RUN_TEST(test_bands_of_a_large_image_are_as_accurate);
     RUN_TEST(test_a_focal_length_may_be_less_than_a_pixel);
     RUN_TEST(test_borders_of_a_lens_that_nearly_folds_are_followed_too);
 }

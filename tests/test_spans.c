@@ -328,6 +328,35 @@ static void test_too_little_room_is_refused(void)
                    rigcal_spans_result(spans, all - 1, &n, &solver));
 }
 
+static void test_a_missing_argument_or_a_step_too_early_is_named(void)
+{
+    rigcal_band band;
+    size_t n;
+
+    wide_band(&band);
+    FILL(n);
+    ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_spans_begin(NULL, &band));
+    ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_spans_begin(&solver, NULL));
+    ASSERT_STATUS(RIGCAL_ERR_STATE, rigcal_spans_step(&solver, 1));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_spans_begin(&solver, &band));
+    ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_spans_step(NULL, 1));
+    ASSERT_STATUS(RIGCAL_ERR_RANGE, rigcal_spans_step(&solver, 0));
+    ASSERT_STATUS(RIGCAL_ERR_STATE, rigcal_spans_result(spans, SPANS_MAX, &n, &solver));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_spans_step(&solver, RIGCAL_SPANS_UNITS));
+    ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_spans_row(NULL, &n, &solver, 0));
+    ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_spans_row(spans, NULL, &solver, 0));
+    ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_spans_row(spans, &n, NULL, 0));
+    ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_spans_result(NULL, SPANS_MAX, &n, &solver));
+    ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_spans_result(spans, SPANS_MAX, NULL, &solver));
+    ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_spans_result(spans, SPANS_MAX, &n, NULL));
+    ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_spans_find(NULL, SPANS_MAX, &n, &solver, &band));
+    ASSERT_STATUS(RIGCAL_ERR_NULL,
+                  rigcal_spans_find(spans, SPANS_MAX, NULL, &solver, &band));
+    ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_spans_find(spans, SPANS_MAX, &n, NULL, &band));
+    ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_spans_find(spans, SPANS_MAX, &n, &solver, NULL));
+    ASSERT_UNTOUCHED(n);
+}
+
 /* ---- lenses for which nothing is promised ---------------------------------- */
 
 /* The spans of each row are in order and in the image. */
@@ -397,5 +426,6 @@ TEST_MAIN()
     RUN_TEST(test_the_spans_are_the_same_whatever_the_budgets);
     RUN_TEST(test_rows_may_come_in_any_order);
     RUN_TEST(test_too_little_room_is_refused);
+    RUN_TEST(test_a_missing_argument_or_a_step_too_early_is_named);
     RUN_TEST(test_a_lens_that_nearly_folds_ends_the_search_all_the_same);
 }

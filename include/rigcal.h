@@ -447,7 +447,7 @@ RIGCAL_API rigcal_status rigcal_pose_begin(rigcal_pose_solver *solver, int32_t *
  *
  *   a unit is                                    of one search, at most    usually
  *   the ray of one point (of 16 of a pinhole)    n; 2 n if one is unseen   n
- *   a direction's cost, the equations of a       900 (wide: 2000)          40 to 70
+ *   a direction's cost, the equations of a       900 (wide: 2500)          40 to 70
  *     refinement, O(n), or the next start                                  (10 to 120);
  *                                                                         n <= 8: 7 to 55
  *   the proof that a lens with distortion sees   7 n                       1 to 4; of a

@@ -549,7 +549,7 @@ static void test_bands_of_a_large_image_are_as_accurate(void)
 
 /* The same pinhole twice, moved by 1 across its axis in 24 directions. The line passes the
  * axis at any distance, and the band is up to half a focal length wide on each side: its
- * borders leave the image at other places, are joined outside it, and may reach no pixel. */
+ * borders leave the image at other places and are joined outside it. */
 static void test_bands_in_all_directions_are_joined_outside_the_image(void)
 {
     enum { DIRECTIONS = 24 };
@@ -583,7 +583,7 @@ static void test_bands_in_all_directions_are_joined_outside_the_image(void)
     }
 }
 
-/* Camera b is 1 to the right of a, and both have 8 x 6 pixels and a focal length of 0.8: the
+/* Camera b is 1 to the right of a. Both have 8 x 6 pixels and a focal length of 0.8: the
  * border moves by less than a pixel for a radian. */
 static void test_a_focal_length_may_be_less_than_a_pixel(void)
 {

@@ -357,6 +357,21 @@ static void test_a_missing_argument_or_a_step_too_early_is_named(void)
     ASSERT_UNTOUCHED(n);
 }
 
+/* The direction of t is so uncertain that no place is k standard deviations off the
+ * line. */
+static void test_a_band_without_borders_is_refused(void)
+{
+    rigcal_band band;
+    size_t n;
+
+    wide_band(&band);
+    band.Sigma_line[5] = band.across * band.across / band.k / band.k * RC(1.01);
+    ASSERT_STATUS(RIGCAL_ERR_RANGE, rigcal_spans_begin(&solver, &band));
+    ASSERT_STATUS(RIGCAL_ERR_STATE, rigcal_spans_step(&solver, 1));
+    ASSERT_REFUSED(RIGCAL_ERR_RANGE, n,
+                   rigcal_spans_find(spans, SPANS_MAX, &n, &solver, &band));
+}
+
 /* ---- lenses for which nothing is promised ---------------------------------- */
 
 /* The spans of each row are in order and in the image. */
@@ -426,6 +441,7 @@ TEST_MAIN()
     RUN_TEST(test_the_spans_are_the_same_whatever_the_budgets);
     RUN_TEST(test_rows_may_come_in_any_order);
     RUN_TEST(test_too_little_room_is_refused);
+    RUN_TEST(test_a_band_without_borders_is_refused);
     RUN_TEST(test_a_missing_argument_or_a_step_too_early_is_named);
     RUN_TEST(test_a_lens_that_nearly_folds_ends_the_search_all_the_same);
 }

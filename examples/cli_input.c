@@ -393,7 +393,7 @@ static int is_repeated(const rigcal_real before[3], const rigcal_real X[3])
     int k;
 
     for (k = 0; k < 3; k++) {
-        if ((signbit(before[k]) != 0) != (signbit(X[k]) != 0)) {
+        if (copysign(1, (double)before[k]) * copysign(1, (double)X[k]) < 0) {
             return 0;
         }
     }

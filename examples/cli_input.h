@@ -23,7 +23,7 @@ void cli_names_open(cli_names *names);
 size_t cli_names_find(const cli_names *names, const char *name);
 size_t cli_names_add(cli_names *names, const char *name);
 
-/* Gives back memory that only finding and adding need. Neither is possible any more. */
+/* Gives back memory that only adding needs, and fast finding. No name can be added then. */
 void cli_names_close(cli_names *names);
 
 /* Names look alike if they differ only in case, in zeros before a number, in invisible

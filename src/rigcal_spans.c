@@ -4,7 +4,8 @@
 /* ---- constants ----------------------------------------------------------- */
 
 /* px: the largest fourth difference of the five nodes of an arc. A polynomial of fourth
- * degree then misses the border by at most a thirtieth of it. */
+ * degree then misses the border by a thirtieth of it, where the next differences are
+ * smaller; a fifth of it was seen. */
 #define BEND_MAX RC_TOL(1e-3, 0.2)
 
 /* 1: the next arc may be twice as long if the fourth differences are smaller by this

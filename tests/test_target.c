@@ -440,6 +440,38 @@ static void test_a_pose_without_a_covariance_places_nothing(void)
     TEST_ASSERT_TRUE(n_refused > 0);
 }
 
+/* The pose leaves out a pixel of which the lens has no ray. Its point is behind the camera
+ * here, so the view has no covariance. */
+static void test_a_view_without_a_covariance_places_nothing(void)
+{
+    static const double far[3] = {0.1, -0.1, 2.5};
+    test_rng rng = test_seed(205);
+    rigcal_observation o[POINTS];
+    rigcal_camera *const camera = &w.cameras[0].camera;
+    int32_t at_fault = -2;
+
+    WANTS_RIG();
+    test_watched_make(&w, &rng, 2, 1, 0.05 * DEGREE, 2e-3);
+    camera->k1 = RC(-0.3); /* folds 622 px from the middle */
+    test_watched_begin(&w, 1, NULL);
+    for (int i = 0; i < POINTS; i++) {
+        double X[3], X_c[3], uv[2];
+
+        for (int k = 0; k < 3; k++) {
+            X[k] = test_uniform(&rng, -0.3, 0.3);
+            X_c[k] = X[k] + far[k];
+        }
+        test_project_px(uv, camera, X_c);
+        test_to_real(o[i].X_w, X, 3);
+        test_to_real(o[i].uv, uv, 2);
+    }
+    o[3].X_w[2] = -4;
+    o[3].uv[0] = RC(D(camera->cx) + 1500);
+    ASSERT_STATUS(RIGCAL_ERR_BEHIND,
+                  rigcal_monitor_view(w.monitor, &at_fault, 0, 0, o, POINTS, RC(NOISE)));
+    ASSERT_STATUS(RIGCAL_ERR_RANGE, rigcal_monitor_moved(w.monitor, 2)); /* no place */
+}
+
 /* While an alarm waits for its answer the poses of the cameras are in doubt, so a target
  * gets no place. */
 static void test_a_target_gets_no_place_while_an_alarm_waits(void)
@@ -498,6 +530,7 @@ TEST_MAIN()
     RUN_TEST(test_a_target_without_a_place_has_no_report);
     RUN_TEST(test_a_view_of_two_poses_places_nothing);
     RUN_TEST(test_a_pose_without_a_covariance_places_nothing);
+    RUN_TEST(test_a_view_without_a_covariance_places_nothing);
     RUN_TEST(test_a_target_gets_no_place_while_an_alarm_waits);
     RUN_TEST(test_a_target_that_settles_may_be_lifted);
 }

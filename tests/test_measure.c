@@ -743,11 +743,15 @@ static void test_a_point_behind_a_camera_has_a_status(void)
 }
 
 /* Views 0, 1 and 3 show a point 10 ahead. Camera 2 cannot have seen it: it looks back, or
- * so far to the side that its lens folds before that. */
+ * so far to the side that its lens folds before that; then also where the formula of the
+ * lens has the point beyond the fold. */
 static void test_a_camera_that_cannot_see_the_point_is_left_out(void)
 {
+    static const double X[3] = {0, 0, 10};
+
     WANTS_RIG;
-    for (int is_aside = 0; is_aside < 2; is_aside++) {
+    for (int k = 0; k < 3; k++) {
+        const int is_aside = k > 0, is_spurious = k == 2;
         uint8_t used[N];
 
         clear(4, 1);
@@ -759,6 +763,14 @@ static void test_a_camera_that_cannot_see_the_point_is_left_out(void)
         look(3, -1, 0, 0, 0);
         m.seen[1].uv[0] -= 80;
         m.seen[3].uv[0] += 80;
+        if (is_spurious) {
+            double R[9], t[3], X_c[3], uv[2];
+
+            test_transform_parts(R, t, &m.cameras[2].cam_from_rig);
+            test_apply(X_c, R, X, t);
+            test_project_px(uv, &m.cameras[2].camera, X_c);
+            test_to_real(m.seen[2].uv, uv, 2);
+        }
         ASSERT_STATUS(RIGCAL_VIEWS_LEFT_OUT, rigcal_point_measure(&point, used, &m.s));
         TEST_ASSERT_EQUAL_INT(0, used[2]);
         TEST_ASSERT_EQUAL_UINT64(3, point.n_used);

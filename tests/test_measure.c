@@ -838,8 +838,10 @@ static void test_cameras_without_a_common_frame_are_refused(void)
 
 static void test_without_a_joint_covariance_there_is_noise_alone(void)
 {
+    static rigcal_point_gain other_gains[N];
     test_rng rng = test_seed(615);
     rigcal_measured_point held;
+    rigcal_real distance, sigma;
 
     WANTS_RIG;
     simulate(&rng, 3, NOISE);
@@ -852,6 +854,13 @@ static void test_without_a_joint_covariance_there_is_noise_alone(void)
     m.rig.held = NULL;
     ASSERT_STATUS(RIGCAL_OK, rigcal_point_measure(&point, NULL, &m.s));
     TEST_ASSERT_EQUAL_MEMORY(&held, &point, sizeof held);
+    memcpy(other_gains, gains, sizeof gains);
+    held.gains = other_gains;
+    held.X[0] += 1; /* another point with the same noise, which no camera shares */
+    ASSERT_STATUS(RIGCAL_OK,
+                  rigcal_point_distance(&distance, &sigma, &m.rig, &held, &point));
+    ASSERT_NEAR(1, distance, TOL(1e-12, 1e-5));
+    ASSERT_NEAR(sqrt(2 * D(point.Sigma_noise[0])), sigma, TOL(1e-9, 1e-4) * D(sigma));
     m.s.sigma_px = NULL;
     ASSERT_REFUSED(RIGCAL_ERR_STATE, point, rigcal_point_measure(&point, NULL, &m.s));
 }

@@ -370,6 +370,7 @@ int cli_calibrate(const char *const option[OPTION_COUNT])
                           CLI_TARGETS | (c.is_weighing ? CLI_SIGMAS : 0));
     read_times(&c.times, &c.observations, &c.cameras, option);
     cli_observations_by_view(&c.observations);
+    cli_names_close(&c.observations.frames);
     cli_hold();
     solve_views(&c);
     turn_views(&c);

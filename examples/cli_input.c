@@ -168,7 +168,6 @@ static int by_view(const void *left, const void *right)
 
 void cli_observations_by_view(cli_observations *observations)
 {
-    cli_names_close(&observations->frames);
     qsort(observations->list, observations->count, sizeof *observations->list, by_view);
 }
 
@@ -365,7 +364,7 @@ static void tell_outside(const cli_observations *observations, const cli_cameras
 
 /* What is only needed while they are read. */
 typedef struct {
-    size_t room, room_for_places, room_for_points, room_for_sigma;
+    size_t room, room_for_places, room_for_points, room_for_sigma, room_for_lines;
     uint32_t *latest; /* for each point: its place on the last line with it */
 } reading;
 
@@ -451,9 +450,8 @@ static void add_sigma(cli_observations *observations, reading *r, const cli_obse
                                     sizeof *observations->sigma);
     observations->sigma[row] = read_sigma(&observations->table, column);
     if (last == NULL || o->line - last->line != row - last->row) {
-        observations->lines =
-            with_room(observations->lines, n, &observations->room_for_lines,
-                      sizeof *observations->lines);
+        observations->lines = with_room(observations->lines, n, &r->room_for_lines,
+                                        sizeof *observations->lines);
         observations->lines[n].line = o->line;
         observations->lines[n].row = (uint32_t)row;
         observations->n_lines++;

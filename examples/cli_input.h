@@ -23,7 +23,7 @@ void cli_names_open(cli_names *names);
 size_t cli_names_find(const cli_names *names, const char *name);
 size_t cli_names_add(cli_names *names, const char *name);
 
-/* Gives back memory that only adding needs, and fast finding. No name can be added then. */
+/* Gives back memory that only finding and adding need. Neither is possible any more. */
 void cli_names_close(cli_names *names);
 
 /* Names look alike if they differ only in case, in zeros before a number, in invisible
@@ -74,7 +74,7 @@ typedef struct {
     int has_sigma;      /* with CLI_TARGETS: whether there is a column sigma_px */
     rigcal_real *sigma; /* of each row; NULL: all are 1 */
     cli_line_of_row *lines;
-    size_t n_lines, room_for_lines;
+    size_t n_lines;
 
     uint32_t *turned; /* for each point: the point that it becomes if the target is read
                          from its next side; NULL: there is no column turned */
@@ -95,8 +95,7 @@ enum { CLI_TARGETS = 1, CLI_SIGMAS = 2 };
 void cli_observations_read(cli_observations *observations, const char *path,
                            const cli_cameras *cameras, int columns);
 
-/* Sorts them by camera, frame and line, so that each view is together. No frame can be
- * found by its name any more. */
+/* Sorts them by camera, frame and line, so that each view is together. */
 void cli_observations_by_view(cli_observations *observations);
 
 /* Transforms by name: rig.csv by camera, targets.csv by frame. */

@@ -44,13 +44,6 @@ static size_t slot_of(const cli_names *names, const char *name)
 
 size_t cli_names_find(const cli_names *names, const char *name)
 {
-    size_t i;
-
-    if (names->slots == NULL) {
-        for (i = 0; i < names->count && strcmp(names->name[i], name) != 0; i++) {
-        }
-        return i < names->count ? i : CLI_UNKNOWN;
-    }
     const size_t number = names->slots[slot_of(names, name)];
 
     return number > 0 ? number - 1 : CLI_UNKNOWN;

@@ -89,7 +89,7 @@ int rc_edge_begin_side(rigcal_edge *e, int side, const rigcal_real p[2])
     e->side = side;
     direction_at(m, e, p, 0);
     if (!rc_lens_is_fisheye(&e->band.camera_b) && !(m[2] > RC_FORWARD_LEAST)) {
-        return 0;
+        return 0; /* beside or behind the camera, to rounding */
     }
     if ((side == 0 && rc_project_usable(uv, &e->band.camera_b, m) != RIGCAL_OK) ||
         place_at(uv, J, D, e, p, 0) != RIGCAL_OK) {

@@ -187,18 +187,7 @@ void fuzz_camera(rigcal_camera *camera, fuzz_bytes *bytes)
     camera->width = (int32_t)fuzz_word(bytes);
     camera->height = (int32_t)fuzz_word(bytes);
     fuzz_reals(numbers, 4 + (size_t)fuzz_below(bytes, 9), bytes);
-    camera->fx = numbers[0];
-    camera->fy = numbers[1];
-    camera->cx = numbers[2];
-    camera->cy = numbers[3];
-    camera->k1 = numbers[4];
-    camera->k2 = numbers[5];
-    camera->p1 = numbers[6];
-    camera->p2 = numbers[7];
-    camera->k3 = numbers[8];
-    camera->k4 = numbers[9];
-    camera->k5 = numbers[10];
-    camera->k6 = numbers[11];
+    fuzz_camera_set(camera, numbers);
 }
 
 void fuzz_view(rigcal_view *view, rigcal_camera *camera, rigcal_observation observations[],

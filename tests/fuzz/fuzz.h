@@ -72,6 +72,24 @@ void fuzz_rotation(rigcal_real R[9], fuzz_bytes *bytes);
 void fuzz_transform(rigcal_transform *b_from_a, fuzz_bytes *bytes);
 void fuzz_camera(rigcal_camera *camera, fuzz_bytes *bytes);
 
+/* Sets the focal lengths, the principal point and the coefficients, in the order of their
+ * names below. Inline, because fuzz_narrow.c is compiled with another rigcal_real. */
+static inline void fuzz_camera_set(rigcal_camera *camera, const rigcal_real numbers[12])
+{
+    camera->fx = numbers[0];
+    camera->fy = numbers[1];
+    camera->cx = numbers[2];
+    camera->cy = numbers[3];
+    camera->k1 = numbers[4];
+    camera->k2 = numbers[5];
+    camera->p1 = numbers[6];
+    camera->p2 = numbers[7];
+    camera->k3 = numbers[8];
+    camera->k4 = numbers[9];
+    camera->k5 = numbers[10];
+    camera->k6 = numbers[11];
+}
+
 /* A view of up to `capacity` points. sigma[capacity] is used if the bytes say so. */
 void fuzz_view(rigcal_view *view, rigcal_camera *camera, rigcal_observation observations[],
                rigcal_real sigma[], size_t capacity, fuzz_bytes *bytes);

@@ -1,6 +1,6 @@
 #include "fuzz_narrow.h"
 
-#include "rigcal.h"
+#include "fuzz.h"
 
 #if !RIGCAL_USE_FLOAT
 #error "fuzz_narrow.c is for the library in float"
@@ -17,24 +17,12 @@ static void copy(double to[], const rigcal_real from[], int n)
 
 static rigcal_camera camera_of(const narrow_camera *c)
 {
-    const float *x = c->numbers;
     rigcal_camera camera;
 
     camera.lens = c->lens;
     camera.width = c->width;
     camera.height = c->height;
-    camera.fx = x[0];
-    camera.fy = x[1];
-    camera.cx = x[2];
-    camera.cy = x[3];
-    camera.k1 = x[4];
-    camera.k2 = x[5];
-    camera.p1 = x[6];
-    camera.p2 = x[7];
-    camera.k3 = x[8];
-    camera.k4 = x[9];
-    camera.k5 = x[10];
-    camera.k6 = x[11];
+    fuzz_camera_set(&camera, c->numbers);
     return camera;
 }
 

@@ -47,24 +47,17 @@ static void make_camera(narrow_camera *c, fuzz_bytes *bytes)
 
 static rigcal_camera wide_camera(const narrow_camera *c)
 {
-    const float *x = c->numbers;
+    rigcal_real numbers[12];
     rigcal_camera camera;
+    int i;
 
+    for (i = 0; i < 12; i++) {
+        numbers[i] = c->numbers[i];
+    }
     camera.lens = c->lens;
     camera.width = c->width;
     camera.height = c->height;
-    camera.fx = x[0];
-    camera.fy = x[1];
-    camera.cx = x[2];
-    camera.cy = x[3];
-    camera.k1 = x[4];
-    camera.k2 = x[5];
-    camera.p1 = x[6];
-    camera.p2 = x[7];
-    camera.k3 = x[8];
-    camera.k4 = x[9];
-    camera.k5 = x[10];
-    camera.k6 = x[11];
+    fuzz_camera_set(&camera, numbers);
     return camera;
 }
 
@@ -102,6 +95,20 @@ static void make_pose(narrow_pose *pose, double turn, double far, fuzz_bytes *by
     for (i = 0; i < 9; i++) {
         pose->R[i] = (float)R[i];
     }
+}
+
+static rigcal_transform wide_pose(const narrow_pose *pose)
+{
+    rigcal_transform wide;
+    int i;
+
+    for (i = 0; i < 9; i++) {
+        wide.R[i] = pose->R[i];
+    }
+    for (i = 0; i < 3; i++) {
+        wide.t[i] = pose->t[i];
+    }
+    return wide;
 }
 
 /* X_b = R X_a + t */
@@ -148,6 +155,22 @@ static int project(double uv[2], const narrow_camera *c, const double X[3])
     uv[0] = n[0] * x + n[2];
     uv[1] = n[1] * y + n[3];
     return uv[0] >= 0 && uv[0] < WIDTH && uv[1] >= 0 && uv[1] < HEIGHT;
+}
+
+/* The pixel of X_c with noise of up to `noise`. Returns 0 if there is none. */
+static int see(float uv[2], const narrow_camera *c, const double X_c[3], double noise,
+               fuzz_bytes *bytes)
+{
+    double exact[2];
+    int k;
+
+    if (!project(exact, c, X_c)) {
+        return 0;
+    }
+    for (k = 0; k < 2; k++) {
+        uv[k] = (float)exact[k] + (float)noise * within(1, bytes);
+    }
+    return 1;
 }
 
 /* The squared distance of the pixel of X_c from uv; huge if there is none. */
@@ -264,24 +287,18 @@ static int make_view(narrow_view *v, fuzz_bytes *bytes)
 
     make_camera(&v->camera, bytes);
     make_pose(&pose, 2, 1.5, bytes);
+    const rigcal_transform cam_from_world = wide_pose(&pose);
     v->n = 4 + fuzz_below(bytes, NARROW_POINTS - 3);
     for (i = 0; i < v->n; i++) {
-        double X[3], X_c[3], uv[2], R[9], t[3];
+        double X[3], X_c[3];
 
         for (k = 0; k < 3; k++) {
             v->X[i][k] = k == 2 && is_flat ? 0 : within(size, bytes);
             X[k] = v->X[i][k];
-            t[k] = pose.t[k];
         }
-        for (k = 0; k < 9; k++) {
-            R[k] = pose.R[k];
-        }
-        place(X_c, R, t, X);
-        if (!project(uv, &v->camera, X_c)) {
+        place(X_c, cam_from_world.R, cam_from_world.t, X);
+        if (!see(v->uv[i], &v->camera, X_c, noise, bytes)) {
             return 0;
-        }
-        for (k = 0; k < 2; k++) {
-            v->uv[i][k] = (float)uv[k] + (float)noise * within(1, bytes);
         }
     }
     return 1;
@@ -376,23 +393,17 @@ static int make_sightings(narrow_sightings *s, fuzz_bytes *bytes)
         X[k] = within(0.3, bytes);
     }
     for (c = 0; c < s->n; c++) {
-        double X_c[3], uv[2];
+        double X_c[3];
 
         make_camera(&s->cameras[c], bytes);
         make_pose(&s->poses[c], 1, 2, bytes);
         s->wide_cameras[c] = wide_camera(&s->cameras[c]);
-        for (k = 0; k < 9; k++) {
-            s->wide_poses[c].R[k] = s->poses[c].R[k];
-        }
-        for (k = 0; k < 3; k++) {
-            s->wide_poses[c].t[k] = s->poses[c].t[k];
-        }
+        s->wide_poses[c] = wide_pose(&s->poses[c]);
         place(X_c, s->wide_poses[c].R, s->wide_poses[c].t, X);
-        if (!project(uv, &s->cameras[c], X_c)) {
+        if (!see(s->uv[c], &s->cameras[c], X_c, noise, bytes)) {
             return 0;
         }
         for (k = 0; k < 2; k++) {
-            s->uv[c][k] = (float)uv[k] + (float)noise * within(1, bytes);
             s->wide_uv[2 * c + k] = s->uv[c][k];
         }
     }
@@ -531,13 +542,47 @@ static double rig_cost(const fuzz_rig *made, const narrow_camera cameras[])
     return sum;
 }
 
+/* The target of a rig and a camera that looks at it. */
+typedef struct {
+    const narrow_camera *camera;
+    rigcal_transform cam_from_rig, rig_from_target;
+    double noise;
+} narrow_sight;
+
+/* Returns 0 if a point is not seen. */
+static int see_target(rigcal_observation o[], const narrow_sight *sight, float points[][3],
+                      fuzz_bytes *bytes)
+{
+    const rigcal_transform *cam = &sight->cam_from_rig, *target = &sight->rig_from_target;
+    size_t i, k;
+
+    for (i = 0; i < RIG_POINTS; i++) {
+        double X_r[3], X_c[3];
+        float uv[2];
+
+        for (k = 0; k < 3; k++) {
+            o[i].X_w[k] = points[i][k];
+        }
+        place(X_r, target->R, target->t, o[i].X_w);
+        place(X_c, cam->R, cam->t, X_r);
+        if (!see(uv, sight->camera, X_c, sight->noise, bytes)) {
+            return 0;
+        }
+        for (k = 0; k < 2; k++) {
+            o[i].uv[k] = uv[k];
+        }
+    }
+    return 1;
+}
+
 /* Sees the target of six points in every placement. Returns 0 if a point is not seen. */
 static int make_rig(fuzz_rig *made, narrow_camera cameras[], fuzz_bytes *bytes)
 {
     const double noise = 0.5 * fuzz_below(bytes, 4);
     const size_t n_cameras = 2 + (size_t)fuzz_below(bytes, RIG_CAMERAS - 1);
     const size_t n_placements = 2 + (size_t)fuzz_below(bytes, RIG_PLACEMENTS - 1);
-    narrow_pose cams[RIG_CAMERAS];
+    narrow_sight sights[RIG_CAMERAS];
+    narrow_pose pose;
     float points[RIG_POINTS][3];
     size_t c, p, i, k;
 
@@ -550,36 +595,18 @@ static int make_rig(fuzz_rig *made, narrow_camera cameras[], fuzz_bytes *bytes)
     for (c = 0; c < n_cameras; c++) {
         make_camera(&cameras[c], bytes);
         made->cameras[c] = wide_camera(&cameras[c]);
-        make_pose(&cams[c], 0.5, 0.3, bytes);
+        make_pose(&pose, 0.5, 0.3, bytes);
+        sights[c].camera = &cameras[c];
+        sights[c].cam_from_rig = wide_pose(&pose);
+        sights[c].noise = noise;
     }
     for (p = 0; p < n_placements; p++) {
-        narrow_pose target;
-
-        make_pose(&target, 1, 1.5, bytes);
+        make_pose(&pose, 1, 1.5, bytes);
         for (c = 0; c < n_cameras; c++) {
-            rigcal_observation *o = made->observations[made->rig.n_views];
-
-            for (i = 0; i < RIG_POINTS; i++) {
-                double X[3], X_r[3], X_c[3], R[2][9], t[2][3], uv[2];
-
-                for (k = 0; k < 9; k++) {
-                    R[0][k] = target.R[k];
-                    R[1][k] = cams[c].R[k];
-                }
-                for (k = 0; k < 3; k++) {
-                    t[0][k] = target.t[k];
-                    t[1][k] = cams[c].t[k];
-                    X[k] = points[i][k];
-                    o[i].X_w[k] = X[k];
-                }
-                place(X_r, R[0], t[0], X);
-                place(X_c, R[1], t[1], X_r);
-                if (!project(uv, &cameras[c], X_c)) {
-                    return 0;
-                }
-                for (k = 0; k < 2; k++) {
-                    o[i].uv[k] = (float)uv[k] + (float)noise * within(1, bytes);
-                }
+            sights[c].rig_from_target = wide_pose(&pose);
+            if (!see_target(made->observations[made->rig.n_views], &sights[c], points,
+                            bytes)) {
+                return 0;
             }
             fuzz_rig_add(made, c, p, RIG_POINTS);
         }

@@ -19,7 +19,7 @@ what=${1:-double}
 harnesses=$(ls tests/fuzz/fuzz_*.c | sed 's|.*/fuzz_||; s|\.c$||; /^rigs$/d; /^narrow$/d')
 case $what in
 double | msan) ;;
-float) harnesses=$(echo "$harnesses" | sed '/^ways$/d') ;; # it has both precisions
+float) harnesses=$(echo "$harnesses" | sed '/^ways$/d') ;; # ways has both precisions
 campaign)
     if [ $# -lt 2 ]; then
         echo "usage: sh tests/fuzz/run.sh campaign SECONDS [HARNESS...]" >&2

@@ -13,10 +13,11 @@ A mutant changes a relation, a condition, an operator, a sign, a number, a retur
 leaves a statement out; assertions and traces stay. Its file is compiled with assertions and
 with the sanitizer of undefined behaviour, which traps; what it does not initialize has huge
 numbers. It is linked before the library, and run against the tests of its layer, those that
-call most of its functions, and those of the layers that include it, and bounds, whose own
-library counts calls. They come in the order of their time, divided by the share of this layer's mutants that each killed so far. A test that
-fails, crashes or takes 20 times as long kills the mutant. Where none does and the preset asan
-is built, the first of them run again with the address sanitizer. A survivor is equivalent if
+call most of its functions, those of the layers that include it, and bounds. The library of
+bounds counts calls, and is compiled with the mutant anew. Tests come in the order of their
+time, divided by the share of this layer's mutants that each killed so far. A test that fails,
+crashes or takes 20 times as long kills the mutant. Where none does and the preset asan is
+built, the first of them run again with the address sanitizer. A survivor is equivalent if
 gcc -O2 makes the same object of it, or equivalent.txt says why no test can kill it; any other
 is printed. Exit status 1 where a survivor is left or equivalent.txt is stale.
 

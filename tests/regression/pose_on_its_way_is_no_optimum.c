@@ -1,28 +1,20 @@
-/* A search of a valley may run out of evaluations on its way. While its pose was the best
- * so far it was kept, and stayed among the optima when a better one was found. */
+/* A refinement in a valley may run out of evaluations. Its pose was kept if it was the best
+ * so far. It stayed among the optima when a better pose was found. */
 #include <math.h>
 
-#include "test_support.h"
+#include "test_fit.h"
 
 /* The sum of squared distances after a step of w or dt along the camera's axes. */
 static double cost_beside(const rigcal_view *view, const rigcal_transform *cam_from_world,
                           int axis, double step)
 {
-    rigcal_real rms_px, w[3] = {0, 0, 0}, R[9];
-    rigcal_transform moved = *cam_from_world;
+    double R[9], t[3], d[6] = {0, 0, 0, 0, 0, 0};
+    rigcal_real rms_px;
 
-    if (axis < 3) {
-        w[axis] = RC(step);
-        ASSERT_STATUS(RIGCAL_OK, rigcal_rotation_from_vector(R, w));
-        for (int i = 0; i < 9; i++) {
-            moved.R[i] = 0;
-            for (int k = 0; k < 3; k++) {
-                moved.R[i] += R[3 * (i / 3) + k] * cam_from_world->R[3 * k + i % 3];
-            }
-        }
-    } else {
-        moved.t[axis - 3] += RC(step * D(cam_from_world->t[2]));
-    }
+    test_transform_parts(R, t, cam_from_world);
+    d[axis] = axis < 3 ? step : step * t[2];
+    test_move(R, t, d);
+    const rigcal_transform moved = test_transform(R, t);
     if (rigcal_view_rms(&rms_px, NULL, view, &moved) != RIGCAL_OK) {
         return 1e30; /* a point came behind */
     }

@@ -191,6 +191,188 @@ static void test_marks_and_bins_are_those_of_the_distances(void)
     }
 }
 
+/* ---- exact numbers --------------------------------------------------------- */
+
+enum { EXACT = 8 };
+
+/* A camera without turn, and points at a depth of 1. Every number is exact, so that limits
+ * are met to the last bit. */
+typedef struct {
+    rigcal_camera camera;
+    rigcal_observation o[EXACT];
+    rigcal_real sigma[EXACT];
+    rigcal_points points;
+    rigcal_transform pose;
+} exact;
+
+static void make_exact(exact *e, int with_sigma)
+{
+    memset(e, 0, sizeof *e);
+    e->camera.fx = 64;
+    e->camera.fy = 32;
+    e->camera.cx = 64;
+    e->camera.cy = 16;
+    e->camera.width = 128;
+    e->camera.height = 64;
+    e->pose.R[0] = e->pose.R[4] = e->pose.R[8] = 1;
+    for (int i = 0; i < EXACT; i++) {
+        e->o[i].X_w[0] = RC(i - 4) / 8;
+        e->o[i].X_w[1] = RC(i % 3) / 4;
+        e->o[i].X_w[2] = 1;
+        e->o[i].uv[0] = 64 + 64 * e->o[i].X_w[0];
+        e->o[i].uv[1] = 16 + 32 * e->o[i].X_w[1];
+        e->sigma[i] = 2;
+    }
+    rc_points_of(&e->points, &VIEW(&e->camera, e->o, with_sigma ? e->sigma : NULL, EXACT),
+                 NULL);
+    rc_clear(e->points.origin, 3);
+}
+
+/* Squared distances of 16, 16, 17, 25, 8, 9, 2 and 0 px^2, of which 16 agree: the first
+ * ones, and those in u or in v alone, meet the limit exactly; 8 and 2 the ends of bins. */
+static void test_a_point_at_the_limit_agrees(void)
+{
+    static const double OFF[EXACT][2] = {{4, 0},  {0, -4}, {4, 1}, {0, 5},
+                                         {-2, 2}, {3, 0},  {1, 1}, {0, 0}};
+    static const uint8_t AGREE[EXACT] = {1, 1, 0, 0, 1, 1, 1, 1};
+
+    for (int way = 0; way < 4; way++) { /* a pinhole or not; with sigma 2 or without */
+        const double by = way / 2 ? 4 : 1;
+        rc_agree_histogram off;
+        uint8_t marks[EXACT];
+        rigcal_real sum;
+        exact e;
+
+        make_exact(&e, way / 2);
+        e.points.is_pinhole = (uint8_t)(way % 2);
+        for (int i = 0; i < EXACT; i++) {
+            e.o[i].uv[0] += RC(OFF[i][0]);
+            e.o[i].uv[1] += RC(OFF[i][1]);
+            marks[i] = (uint8_t)(i % 2);
+        }
+        const rigcal_real limit = RC(16 / by);
+        TEST_ASSERT_EQUAL_INT(6, rc_agree_score(&sum, &e.points, &e.pose, limit, RC_MAX));
+        ASSERT_NEAR((16 + 16 + 16 + 16 + 8 + 9 + 2) / by, sum, 0);
+        /* the loop ends as soon as the sum is enough */
+        TEST_ASSERT_EQUAL_INT(
+            2, rc_agree_score(&sum, &e.points, &e.pose, limit, RC(3 * 16 / by)));
+        ASSERT_NEAR(3 * 16 / by, sum, 0);
+        /* marks 0, 3, 4 and 6 change */
+        TEST_ASSERT_EQUAL_INT(4, rc_agree_mark(marks, &off, &e.points, &e.pose, limit));
+        TEST_ASSERT_EQUAL_MEMORY(AGREE, marks, sizeof marks);
+        for (int k = 0; k < RC_AGREE_BINS; k++) {
+            const int count = k == 0 ? 3 : k == 1 || k == 3 || k == 15;
+            const double binned = k == 0 ? 16 + 16 + 9 : k == 1 ? 8 : k == 3 ? 2 : 0;
+            TEST_ASSERT_EQUAL_INT(count, off.count[k]);
+            ASSERT_NEAR(binned / by, off.sum[k], 0);
+        }
+    }
+}
+
+/* A point in the plane of the camera's centre, or behind it, has no projection, even where
+ * its pixel is on the line to it. */
+static void test_a_point_in_the_plane_of_the_camera_disagrees(void)
+{
+    for (int way = 0; way < 2; way++) {
+        for (int place = 0; place < 4; place++) {
+            uint8_t marks[EXACT] = {0};
+            rigcal_real sum;
+            exact e;
+
+            make_exact(&e, 0);
+            e.points.is_pinhole = (uint8_t)way;
+            rigcal_real *const X = e.o[3].X_w;
+            X[0] = RC(place == 1 ? 0.25 : 0);
+            X[1] = RC(place == 2 ? 0.25 : 0);
+            X[2] = RC(place == 3 ? -1 : 0);
+            e.o[3].uv[0] = 64;
+            e.o[3].uv[1] = 16;
+            TEST_ASSERT_EQUAL_INT(EXACT - 1,
+                                  rc_agree_score(&sum, &e.points, &e.pose, 16, RC_MAX));
+            ASSERT_NEAR(16, sum, 0);
+            TEST_ASSERT_EQUAL_INT(EXACT - 1,
+                                  rc_agree_mark(marks, NULL, &e.points, &e.pose, 16));
+            TEST_ASSERT_EQUAL_INT(0, marks[3]);
+            ASSERT_NEAR(1, rc_agree_misfit(&e.points, &e.pose), 0);
+        }
+    }
+}
+
+/* Points were seen in 50 x 40 px; an image of 128 x 64 px. */
+static void test_the_area_is_that_of_the_pixels_by_the_mean_variance(void)
+{
+    static const double SIDE[3][2] = {{-1, 256}, {-1000, 60}, {-128, 1000}};
+    exact e;
+
+    make_exact(&e, 0);
+    for (int i = 0; i < EXACT; i++) {
+        e.o[i].uv[0] = RC(i == 2 ? 10 : i == 6 ? 60 : 30 + i);
+        e.o[i].uv[1] = RC(i == 0 ? 55 : i == 7 ? 15 : 40);
+        e.sigma[i] = RC(i == 1 ? 3 : i == 5 ? 0.5 : 2);
+    }
+    ASSERT_NEAR(2000, rc_agree_area(&VIEW(&e.camera, e.o, NULL, EXACT)), 0);
+    ASSERT_NEAR(2000 * 8 / (9 + 0.25 + 6 * 4),
+                rc_agree_area(&VIEW(&e.camera, e.o, e.sigma, EXACT)), TOL(1e-12, 1e-4));
+    for (int i = 0; i < 3; i++) { /* the image's size beyond the image is the most */
+        const double low = fmax(SIDE[i][0], -128), high = fmin(SIDE[i][1], 256);
+        e.o[2].uv[0] = RC(SIDE[i][0]);
+        e.o[6].uv[0] = RC(SIDE[i][1]);
+        ASSERT_NEAR((high - low) * 40, rc_agree_area(&VIEW(&e.camera, e.o, NULL, EXACT)),
+                    0);
+    }
+    e.o[0].uv[1] = 1000;
+    e.o[7].uv[1] = -1000;
+    ASSERT_NEAR(3 * 128 * 3 * 64, rc_agree_area(&VIEW(&e.camera, e.o, NULL, EXACT)), 0);
+    for (int side = 0; side < 2; side++) { /* all beyond that: one column */
+        for (int i = 0; i < EXACT; i++) {
+            e.o[i].uv[0] = RC(side ? 1000 + i : -1000 - i);
+        }
+        ASSERT_NEAR(0, rc_agree_area(&VIEW(&e.camera, e.o, NULL, EXACT)), 0);
+    }
+}
+
+/* Images that do not meet share nothing, beside each other or across a corner. */
+static void test_a_target_elsewhere_has_the_most_misfit(void)
+{
+    for (int way = 1; way < 4; way++) {
+        exact e;
+        make_exact(&e, 0);
+        e.points.is_pinhole = 1;
+        e.pose.t[0] = RC(way % 2 ? 2 : 0);
+        e.pose.t[1] = RC(way / 2 ? -2 : 0);
+        ASSERT_NEAR(1, rc_agree_misfit(&e.points, &e.pose), 0);
+    }
+}
+
+/* By more than the limit, not by the limit: a shift of one half of the distance of a; turns
+ * by the angle, here about each axis. */
+static void test_poses_differ_by_an_angle_or_a_part_of_the_distance(void)
+{
+    for (int k = 0; k < 3; k++) {
+        exact e;
+        make_exact(&e, 0);
+        rigcal_transform other = e.pose;
+        e.pose.t[k] = 1;
+        other.t[k] = RC(1.5);
+        TEST_ASSERT_FALSE(rc_agree_differ(&e.pose, &other, RC(0.5)));
+        TEST_ASSERT_TRUE(rc_agree_differ(&other, &e.pose, RC(0.25)));
+        TEST_ASSERT_FALSE(rc_agree_differ(&other, &e.pose, RC(0.375))); /* 1/3 of other */
+        other.t[k] = RC(1.53125);
+        TEST_ASSERT_TRUE(rc_agree_differ(&e.pose, &other, RC(0.5)));
+        other.t[k] = RC(0.46875);
+        TEST_ASSERT_TRUE(rc_agree_differ(&e.pose, &other, RC(0.5)));
+        other.t[k] = 1;
+        for (int step = -1; step <= 1; step += 2) {
+            double R[9];
+            test_rotation(R, k == 0 ? 0.05 + step * 1e-4 : 0,
+                          k == 1 ? 0.05 + step * 1e-4 : 0, k == 2 ? 0.05 + step * 1e-4 : 0);
+            test_to_real(other.R, R, 9);
+            TEST_ASSERT_EQUAL_INT(step > 0, rc_agree_differ(&e.pose, &other, RC(0.05)));
+            TEST_ASSERT_EQUAL_INT(step > 0, rc_agree_differ(&other, &e.pose, RC(0.05)));
+        }
+    }
+}
+
 /* ---- chance ---------------------------------------------------------------- */
 
 /* All of n points in a square of 100 px are wrong. Each triple has two poses, at which the
@@ -259,6 +441,69 @@ static void test_without_an_area_all_is_chance(void)
     ASSERT_NEAR(sets, rc_agree_by_chance(&off, 8, 0, 0), 1e-5 * sets);
 }
 
+/* (E) by plain arithmetic, for the k nearest of n points. */
+static double expected_by_chance(int n, int k, double sum, double area)
+{
+    double sets = n * (n - 1.0) * (n - 2) / 3;
+    for (int i = 0; i < k - 3; i++) {
+        sets *= (n - 3.0 - i) / (i + 1);
+    }
+    const double near = fmin(1, exp(1) * TEST_PI * sum / (k - 3) / area);
+    return (n - 3) * sets * pow(near, k - 3) / sqrt(2 * TEST_PI * (k - 3));
+}
+
+static void test_chance_is_the_least_of_all_counts(void)
+{
+    const double area = 1e4;
+    test_rng rng = test_seed(7);
+
+    for (int trial = 0; trial < TEST_TRIALS(200); trial++) {
+        rc_agree_histogram off = {{0}, {0}};
+        double least = 1e300, sum = 0;
+        const int n = 30;
+        int k = 0;
+
+        for (int bin = RC_AGREE_BINS - 1; bin >= 0; bin--) {
+            const int count = (int)test_uniform(&rng, 0, trial % 2 ? 1.4 : 3);
+            off.count[bin] = (size_t)(k + count <= n ? count : 0);
+            for (size_t i = 0; i < off.count[bin]; i++) {
+                off.sum[bin] += RC(test_uniform(&rng, 0.5, 1) * 900 / pow(2, bin));
+            }
+            sum += D(off.sum[bin]);
+            k += (int)off.count[bin];
+            if (off.count[bin] > 0 && k > 3) {
+                least = fmin(least, expected_by_chance(n, k, sum, area));
+            }
+        }
+        const double found = D(rc_agree_by_chance(&off, (size_t)n, RC(area), 0));
+        if (k <= 3) {
+            TEST_ASSERT_TRUE(found >= D(RC_MAX));
+        } else {
+            ASSERT_NEAR(least, found, TOL(1e-10, 1e-3) * least);
+        }
+    }
+}
+
+/* The search for the least goes from all points to the nearest. It ends below `enough`, not
+ * at it. */
+static void test_chance_is_sought_until_it_is_enough(void)
+{
+    rc_agree_histogram all = {{0}, {0}}, near = {{0}, {0}};
+    const rigcal_real area = RC(1e4);
+
+    all.count[0] = 10; /* the same sum as of both bins below */
+    all.sum[0] = 3002;
+    near.count[0] = 4;
+    near.sum[0] = 3000;
+    near.count[8] = 6;
+    near.sum[8] = 2;
+    const rigcal_real first = rc_agree_by_chance(&all, 20, area, 0);
+    const rigcal_real least = rc_agree_by_chance(&near, 20, area, 0);
+    TEST_ASSERT_TRUE(D(least) < D(first) / 2);
+    ASSERT_NEAR(D(least), rc_agree_by_chance(&near, 20, area, first), 0);
+    ASSERT_NEAR(D(first), rc_agree_by_chance(&near, 20, area, RC(1.001) * first), 0);
+}
+
 /* The square of the depth overflows. */
 static void test_a_point_beyond_all_numbers_disagrees(void)
 {
@@ -322,4 +567,11 @@ TEST_MAIN()
     RUN_TEST(test_without_an_area_all_is_chance);
     RUN_TEST(test_a_point_beyond_all_numbers_disagrees);
     RUN_TEST(test_a_target_in_its_place_has_no_misfit);
+    RUN_TEST(test_a_point_at_the_limit_agrees);
+    RUN_TEST(test_a_point_in_the_plane_of_the_camera_disagrees);
+    RUN_TEST(test_the_area_is_that_of_the_pixels_by_the_mean_variance);
+    RUN_TEST(test_a_target_elsewhere_has_the_most_misfit);
+    RUN_TEST(test_poses_differ_by_an_angle_or_a_part_of_the_distance);
+    RUN_TEST(test_chance_is_the_least_of_all_counts);
+    RUN_TEST(test_chance_is_sought_until_it_is_enough);
 }

@@ -92,9 +92,82 @@ static void test_the_most_points_are_2_to_the_28(void)
                    rigcal_bearings_of_view(&bearing, NULL, &view));
 }
 
+static void test_a_view_of_one_point_has_one_bearing(void)
+{
+    const rigcal_camera camera = test_pinhole();
+    const rigcal_observation o = {{1, 2, 3}, {camera.cx, camera.cy}};
+    const double ahead[3] = {0, 0, 1};
+    rigcal_bearing bearing;
+    int32_t at_fault = -7;
+
+    ASSERT_STATUS(RIGCAL_OK, rigcal_bearings_of_view(&bearing, &at_fault,
+                                                     &VIEW(&camera, &o, NULL, 1)));
+    ASSERT_ARRAY_NEAR(ahead, bearing.ray, 3, 0);
+    TEST_ASSERT_EQUAL_MEMORY(o.X_w, bearing.X_w, sizeof o.X_w);
+    TEST_ASSERT_EQUAL_INT32(-1, at_fault);
+}
+
+/* Each number in turn, in each bearing of three. */
+static void test_bearings_are_checked_one_by_one(void)
+{
+    static const rigcal_bearing good = {{1, -2, 3}, {RC(0.1), RC(-0.2), 1}};
+    rigcal_bearing s[3];
+
+    ASSERT_STATUS(RIGCAL_ERR_NULL, rc_check_bearings(NULL, 3, 1));
+    for (int i = 0; i < 3; i++) {
+        for (int k = 0; k < 6; k++) {
+            s[0] = s[1] = s[2] = good;
+            rigcal_real *const x = k < 3 ? &s[i].X_w[k] : &s[i].ray[k - 3];
+            *x = TEST_INF;
+            ASSERT_STATUS(RIGCAL_ERR_NOT_FINITE, rc_check_bearings(s, 3, 1));
+            ASSERT_STATUS(i < 2 ? RIGCAL_ERR_NOT_FINITE : RIGCAL_OK,
+                          rc_check_bearings(s, 2, 1));
+            *x = RC(TOL(1.1e30, 1.1e9)); /* a ray may have any length */
+            ASSERT_STATUS(k < 3 ? RIGCAL_ERR_RANGE : RIGCAL_OK, rc_check_bearings(s, 3, 0));
+        }
+        s[0] = s[1] = s[2] = good;
+        rc_clear(s[i].ray, 3);
+        ASSERT_STATUS(RIGCAL_ERR_RANGE, rc_check_bearings(s, 3, 0));
+        s[i].ray[1] = RC(-1e-30);
+        ASSERT_STATUS(RIGCAL_OK, rc_check_bearings(s, 3, 0));
+        ASSERT_STATUS(RIGCAL_ERR_WIDE_RAY, rc_check_bearings(s, 3, 1));
+    }
+}
+
+/* z must be above rounding of the ray's length: not at it, and not behind. */
+static void test_a_ray_ahead_is_more_than_rounding_ahead(void)
+{
+    const rigcal_real eps = RC(TOL(2.220446049250313e-16, 1.1920928955078125e-7));
+    rigcal_bearing s = {{0, 0, 0}, {-2, 0, 2 * eps}};
+
+    ASSERT_STATUS(RIGCAL_ERR_WIDE_RAY, rc_check_bearing(&s, 1));
+    ASSERT_STATUS(RIGCAL_OK, rc_check_bearing(&s, 0));
+    s.ray[2] = 3 * eps;
+    ASSERT_STATUS(RIGCAL_OK, rc_check_bearing(&s, 1));
+    s.ray[2] = -1;
+    ASSERT_STATUS(RIGCAL_ERR_WIDE_RAY, rc_check_bearing(&s, 1));
+    ASSERT_STATUS(RIGCAL_OK, rc_check_bearing(&s, 0));
+}
+
+/* The first bearing is wrong, so no other is read. */
+static void test_the_most_bearings_are_2_to_the_28(void)
+{
+    const rigcal_bearing first = {{0, 0, TEST_NAN}, {0, 0, 1}};
+    const size_t most = RC_COUNT_MAX;
+
+    ASSERT_STATUS(RIGCAL_OK, rc_check_bearings(&first, 0, 1));
+    ASSERT_STATUS(RIGCAL_ERR_NOT_FINITE, rc_check_bearings(&first, most, 1));
+    ASSERT_STATUS(most + 1 > 0 ? RIGCAL_ERR_RANGE : RIGCAL_OK,
+                  rc_check_bearings(&first, most + 1, 1));
+}
+
 TEST_MAIN()
 {
     RUN_TEST(test_observations_become_bearings_one_by_one);
     RUN_TEST(test_the_observation_at_fault_is_told);
     RUN_TEST(test_the_most_points_are_2_to_the_28);
+    RUN_TEST(test_a_view_of_one_point_has_one_bearing);
+    RUN_TEST(test_bearings_are_checked_one_by_one);
+    RUN_TEST(test_a_ray_ahead_is_more_than_rounding_ahead);
+    RUN_TEST(test_the_most_bearings_are_2_to_the_28);
 }

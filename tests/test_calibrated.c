@@ -327,6 +327,17 @@ static void test_too_many_free_cameras_are_refused(void)
     kept.Sigma_capacity = SIZE_MAX;
     ASSERT_REFUSED(RIGCAL_ERR_RANGE, block,
                    rigcal_calibrated_covariance(block, &kept, 1, 2));
+    size_t n_free; /* one fewer can, and so can one that is held */
+    kept.n_cameras = MANY - 1;
+    ASSERT_STATUS(RIGCAL_OK, rc_calibrated_check(&n_free, &kept));
+    TEST_ASSERT_EQUAL(RIGCAL_STORE_FREE_MAX, n_free);
+    kept.n_cameras = MANY;
+    none_held[5] = 1;
+    ASSERT_STATUS(RIGCAL_OK, rc_calibrated_check(&n_free, &kept));
+    TEST_ASSERT_EQUAL(RIGCAL_STORE_FREE_MAX, n_free);
+    kept.Sigma_capacity = RIGCAL_CALIBRATED_SIZE((size_t)RIGCAL_STORE_FREE_MAX) - 1;
+    ASSERT_STATUS(RIGCAL_ERR_CAPACITY, rc_calibrated_check(&n_free, &kept));
+    none_held[5] = 0;
 }
 
 /* An adjusted rig of 65536 cameras, all but the first two held and unseen. */

@@ -228,6 +228,33 @@ static void test_what_is_not_in_front_is_not_imaged(void)
     ASSERT_REFUSED(RIGCAL_ERR_DEGENERATE, uv, rigcal_camera_project(uv, &camera, centre));
 }
 
+/* With a lens, and by the way of a pinhole: in the plane of the camera's centre no point
+ * has a pixel, not even on an axis; nor has one behind it, whose ray would have one. */
+static void test_no_lens_images_what_is_not_in_front(void)
+{
+    static const double places[][3] = {{0, 0, -1},  {0.1, -0.2, -1}, {1, 0, 0}, {0, 1, 0},
+                                       {-1, -1, 0}, {0, 0, -1e-30},  {0, 0, 0}};
+    rigcal_real uv[2], x[2], J[6], X_c[3];
+
+    for (int with_lens = 0; with_lens < 2; with_lens++) {
+        rigcal_camera camera = test_pinhole();
+        camera.k1 = RC(with_lens ? 0.01 : 0);
+        for (size_t i = 0; i < sizeof places / sizeof places[0]; i++) {
+            const int is_centre = i == sizeof places / sizeof places[0] - 1;
+            const rigcal_status why = is_centre ? RIGCAL_ERR_DEGENERATE : RIGCAL_ERR_BEHIND;
+            test_to_real(X_c, places[i], 3);
+            ASSERT_REFUSED(why, uv, rigcal_camera_project(uv, &camera, X_c));
+            ASSERT_STATUS(why, rc_project_by(x, uv, J, &camera, X_c));
+            ASSERT_REFUSED(with_lens ? why : RIGCAL_ERR_BEHIND, uv,
+                           rc_project_through(uv, J, &camera, !with_lens, X_c));
+        }
+        X_c[2] = RC(1e-30); /* on the axis, however near */
+        ASSERT_STATUS(RIGCAL_OK, rc_project_through(uv, J, &camera, !with_lens, X_c));
+        ASSERT_NEAR(D(camera.cx), uv[0], 0);
+        ASSERT_NEAR(D(camera.cy), uv[1], 0);
+    }
+}
+
 static void test_a_fisheye_sees_behind_itself_but_not_its_own_centre(void)
 {
     const rigcal_camera camera = test_lens_camera(&TEST_LENSES[TEST_N_LENSES - 4]);
@@ -411,6 +438,74 @@ static void test_no_error_is_told_of_points_that_cannot_be_seen(void)
     ASSERT_UNTOUCHED(worst);
 }
 
+/* The first point is wrong, so no other is read. */
+static void test_the_error_is_that_of_2_to_the_28_points_at_most(void)
+{
+    const rigcal_transform same = test_transform(NULL, NULL);
+    const rigcal_camera camera = test_pinhole();
+    const rigcal_observation first = {{0, 0, 1}, {TEST_NAN, 0}};
+    rigcal_view view = VIEW(&camera, &first, NULL, 0);
+    rigcal_real rms;
+
+    ASSERT_REFUSED(RIGCAL_ERR_TOO_FEW, rms, rigcal_view_rms(&rms, NULL, &view, &same));
+    view.n = RC_COUNT_MAX;
+    ASSERT_REFUSED(RIGCAL_ERR_NOT_FINITE, rms, rigcal_view_rms(&rms, NULL, &view, &same));
+    view.n++; /* 0 where a size has few bits */
+    ASSERT_REFUSED(view.n > 0 ? RIGCAL_ERR_RANGE : RIGCAL_ERR_TOO_FEW, rms,
+                   rigcal_view_rms(&rms, NULL, &view, &same));
+}
+
+/* Of points that are off by the same, the first is the worst. All numbers are exact. */
+static void test_the_worst_point_is_the_first_that_is_off_by_the_most(void)
+{
+    const rigcal_transform same = test_transform(NULL, NULL);
+    rigcal_camera camera = test_pinhole();
+    rigcal_observation o[4] = {
+        {{0, 0, 1}, {0, 0}}, {{0, 0, 2}, {0, 0}}, {{0, 0, 4}, {0, 0}}, {{0, 0, 1}, {0, 0}}};
+    rigcal_real rms;
+    int32_t worst;
+
+    camera.cx = camera.cy = 64;
+    for (int first = 0; first < 3; first++) {
+        for (int i = 0; i < 4; i++) {
+            o[i].uv[0] = RC(64 + (i >= first ? 3 : 0));
+            o[i].uv[1] = RC(64 - (i >= first ? 4 : 0));
+        }
+        ASSERT_STATUS(RIGCAL_OK,
+                      rigcal_view_rms(&rms, &worst, &VIEW(&camera, o, NULL, 4), &same));
+        TEST_ASSERT_EQUAL_INT32(first, worst);
+        ASSERT_NEAR(sqrt(25.0 * (4 - first) / 4), rms, TOL(1e-15, 1e-6));
+    }
+}
+
+/* Two numbers are a pixel; what follows them in memory is none of it. */
+static void test_a_pixel_is_two_numbers(void)
+{
+    rigcal_real uv[3] = {1, 2, TEST_NAN};
+
+    ASSERT_STATUS(RIGCAL_OK, rc_check_pixel(uv));
+    uv[1] = TEST_NAN;
+    ASSERT_STATUS(RIGCAL_ERR_NOT_FINITE, rc_check_pixel(uv));
+    uv[1] = RC(1e9);
+    ASSERT_STATUS(RIGCAL_OK, rc_check_pixel(uv));
+    uv[1] = RC(-1.001e9);
+    ASSERT_STATUS(RIGCAL_ERR_RANGE, rc_check_pixel(uv));
+}
+
+/* 1 px of an image with at least 800 px of focal length; of a shorter one, or one whose
+ * unit is its focal length, f^2 / 800. */
+static void test_the_size_of_a_pixel_follows_the_focal_length(void)
+{
+    static const double SIZE[5][2] = {
+        {1, 1 / 800.0}, {20, 0.5}, {0.5, 1 / 3200.0}, {40, 1}, {800, 1}};
+    rigcal_camera camera = test_pinhole();
+
+    for (int i = 0; i < 5; i++) {
+        camera.fx = RC(SIZE[i][0]);
+        ASSERT_NEAR(SIZE[i][1], rc_pixel_size(&camera), TOL(1e-18, 1e-9));
+    }
+}
+
 /* A pixel that is no number is reported before a point that is out of range. */
 static void test_what_is_no_number_is_told_first(void)
 {
@@ -459,6 +554,7 @@ TEST_MAIN()
     RUN_TEST(test_a_fisheye_ray_at_90_degrees_has_no_undistorted_pixel);
     RUN_TEST(test_pixels_without_a_ray_are_not_undistorted_either);
     RUN_TEST(test_what_is_not_in_front_is_not_imaged);
+    RUN_TEST(test_no_lens_images_what_is_not_in_front);
     RUN_TEST(test_a_fisheye_sees_behind_itself_but_not_its_own_centre);
     RUN_TEST(test_a_fisheye_does_not_see_straight_back);
     RUN_TEST(test_intrinsics_that_cannot_be_are_refused);
@@ -467,5 +563,9 @@ TEST_MAIN()
     RUN_TEST(test_the_error_is_the_root_of_the_mean_squared_distance);
     RUN_TEST(test_no_error_is_told_of_points_that_cannot_be_seen);
     RUN_TEST(test_what_is_no_number_is_told_first);
+    RUN_TEST(test_the_error_is_that_of_2_to_the_28_points_at_most);
+    RUN_TEST(test_the_worst_point_is_the_first_that_is_off_by_the_most);
+    RUN_TEST(test_a_pixel_is_two_numbers);
+    RUN_TEST(test_the_size_of_a_pixel_follows_the_focal_length);
     RUN_TEST(test_a_pixel_that_overflows_is_none);
 }

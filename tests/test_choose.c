@@ -254,6 +254,70 @@ static void test_ties_go_to_the_surer(void)
     }
 }
 
+/* A cost below the limit is support, the limit itself is none. Of two poses of a view that
+ * cost the same the first is taken. */
+static void test_what_costs_the_limit_is_no_support(void)
+{
+    static const double here[6] = {0, 0, 0, 0, 0, 5};
+    static const double sd[6] = {0.02, 0.02, 0.02, 0.02, 0.02, 0.02};
+    rc_claim claims[3];
+    rc_support support;
+    uint8_t takes[2];
+
+    for (int below = 0; below < 2; below++) {
+        claims[0] = claim_at(here, sd, 0, 0);
+        claims[1] = claim_at(here, sd, 1, 0);
+        claims[2] = claim_at(here, sd, 1, 1);
+        claims[1].extra = claims[2].extra = RC(30 - below);
+        rc_choose_support(&support, takes, claims, 3, 0, 30);
+        TEST_ASSERT_EQUAL_INT32(1 + below, support.agree);
+        TEST_ASSERT_EQUAL_INT32(2, support.n);
+        TEST_ASSERT_EQUAL_UINT8(0, takes[0]);
+        TEST_ASSERT_EQUAL_UINT8(below ? 0 : 2, takes[1]);
+        ASSERT_NEAR(30 - below, support.cost, 0);
+        ASSERT_NEAR(3 * 0.0004, support.spread, TOL(1e-15, 1e-9));
+    }
+}
+
+/* Whichever claim it is, first or last: three views agree, the others with none. */
+static void test_the_best_claim_is_sought_among_all(void)
+{
+    static const double sure[6] = {0.01, 0.01, 0.01, 0.01, 0.01, 0.01};
+    static const double less[6] = {0.02, 0.02, 0.02, 0.02, 0.02, 0.02};
+
+    for (int best = 0; best < 6; best++) {
+        rc_claim claims[6];
+        rc_support support;
+        uint8_t takes[6];
+
+        for (int i = 0; i < 6; i++) {
+            const int agrees = i == best || i == (best + 2) % 6 || i == (best + 3) % 6;
+            const double at[6] = {agrees ? 0 : 0.3 * i + 0.2, 0, 0, 0, 0, 5};
+            claims[i] = claim_at(at, i == best ? sure : less, i, 0);
+        }
+        TEST_ASSERT_EQUAL(best, rc_choose_place(&support, takes, claims, 6, 30));
+        TEST_ASSERT_EQUAL_INT32(3, support.agree);
+        for (int i = 0; i < 6; i++) {
+            const int agrees = i == best || i == (best + 2) % 6 || i == (best + 3) % 6;
+            TEST_ASSERT_EQUAL_UINT8(agrees ? 0 : 2, takes[i]);
+        }
+    }
+}
+
+/* By how many agree; then by the cost; then by the spread. */
+static void test_more_support_is_better_then_less_cost_then_less_spread(void)
+{
+    for (int k = 0; k < 27; k++) {
+        const int agree = k % 3 - 1, cost = k / 3 % 3 - 1, spread = k / 9 - 1;
+        const rc_support a = {RC(10 + cost), RC(5 + spread), 4 + agree, 7};
+        const rc_support b = {10, 5, 4, 7};
+        const int order = agree ? agree : cost ? -cost : -spread;
+
+        TEST_ASSERT_EQUAL_INT(order > 0, rc_choose_is_better(&a, &b));
+        TEST_ASSERT_EQUAL_INT(order < 0, rc_choose_is_better(&b, &a));
+    }
+}
+
 static void test_no_information_is_no_claim(void)
 {
     rigcal_view_pose pose = golden(0, 0, 0);
@@ -274,4 +338,7 @@ TEST_MAIN()
     RUN_TEST(test_two_views_cost_what_both_do);
     RUN_TEST(test_ties_go_to_the_surer);
     RUN_TEST(test_no_information_is_no_claim);
+    RUN_TEST(test_what_costs_the_limit_is_no_support);
+    RUN_TEST(test_the_best_claim_is_sought_among_all);
+    RUN_TEST(test_more_support_is_better_then_less_cost_then_less_spread);
 }

@@ -288,6 +288,56 @@ static void test_more_than_can_be_counted_are_refused_unread(void)
     TEST_ASSERT_EQUAL_INT32(-1, at_fault);
 }
 
+/* The first point is wrong, so no other is read. */
+static void test_as_many_as_can_be_counted_are_read(void)
+{
+    const rigcal_camera camera = test_pinhole();
+    const rigcal_observation first = {{0, 0, 1}, {TEST_NAN, 0}};
+    rigcal_points points;
+    rigcal_real uv_middle[2];
+    int32_t at_fault = -2;
+    rc_points_of(&points, &VIEW(&camera, &first, NULL, RC_COUNT_MAX), NULL);
+    ASSERT_STATUS(RIGCAL_ERR_NOT_FINITE, rc_points_survey(&points, uv_middle, &at_fault));
+    TEST_ASSERT_EQUAL_INT32(0, at_fault);
+}
+
+/* The disc about the axis that a survey proves is that of the pixel farthest from it,
+ * whichever of them that is, and on whichever side. */
+static void test_the_disc_that_is_proved_holds_every_pixel(void)
+{
+    static const double AT[4][2] = {{250, 40}, {-250, -90}, {60, 190}, {-30, -190}};
+    static const uint8_t MASK[N] = {1, 0, 1, 1, 1, 1};
+    test_rng rng = test_seed(81);
+    problem p;
+    if (!RC_FOR_SPEED) {
+        TEST_IGNORE_MESSAGE("nothing is proved in advance");
+    }
+    random_problem(&p, &rng);
+    p.camera.fx = 500;
+    p.camera.fy = 400;
+    p.camera.cx = 330;
+    p.camera.cy = 250;
+    p.camera.k1 = RC(0.05);
+    for (int far = 0; far < N; far++) {
+        for (int way = 0; way < 4; way++) {
+            for (int i = 0; i < N; i++) {
+                p.o[i].uv[0] = RC(330 + (i == far ? AT[way][0] : 20 - 7 * i));
+                p.o[i].uv[1] = RC(250 + (i == far ? AT[way][1] : 9 * i - 15));
+            }
+            const double reach = hypot(AT[way][0] / 500, AT[way][1] / 400);
+            const double disc = D(rc_lens_proved(&p.camera, RC(reach)));
+            ASSERT_STATUS(RIGCAL_OK, survey(&p, 0, NULL));
+            ASSERT_NEAR(disc, p.points.proved2, TOL(1e-12, 1e-4) * disc);
+            TEST_ASSERT_TRUE(D(p.points.proved2) >= reach * reach * 0.9);
+            ASSERT_STATUS(RIGCAL_OK, survey(&p, 0, MASK));
+            TEST_ASSERT_EQUAL_INT(far == 1, D(p.points.proved2) < 0.9 * disc);
+        }
+    }
+    p.camera.k1 = 0;
+    ASSERT_STATUS(RIGCAL_OK, survey(&p, 0, NULL)); /* a pinhole sees all */
+    ASSERT_NEAR(0, p.points.proved2, 0);
+}
+
 /* Coordinates whose rounding is slightly less, and slightly more, than 1e-4 of the size
  * 1. */
 static void test_points_in_one_place_or_too_far_for_their_size_are_refused(void)
@@ -425,6 +475,22 @@ static void test_points_on_any_line_are_told_from_those_beside_it(void)
     }
 }
 
+static void test_each_point_beside_a_line_is_noticed(void)
+{
+    test_rng rng = test_seed(82);
+    problem p;
+    random_problem(&p, &rng);
+    for (int beside = -1; beside < N; beside++) {
+        for (int i = 0; i < N; i++) {
+            p.o[i].X_w[0] = RC(i);
+            p.o[i].X_w[1] = RC(2 * i + 1);
+            p.o[i].X_w[2] = RC(i == beside ? 0.1 : 0);
+        }
+        ASSERT_STATUS(RIGCAL_OK, survey(&p, 0, NULL));
+        TEST_ASSERT_EQUAL_INT(beside < 0, rc_points_are_on_line(&p.points));
+    }
+}
+
 TEST_MAIN()
 {
     RUN_TEST(test_noise_is_nothing_or_within_a_million_either_way);
@@ -442,4 +508,7 @@ TEST_MAIN()
     RUN_TEST(test_a_point_and_its_error_are_those_of_the_pose);
     RUN_TEST(test_a_point_behind_is_as_far_off_as_can_be);
     RUN_TEST(test_points_on_any_line_are_told_from_those_beside_it);
+    RUN_TEST(test_as_many_as_can_be_counted_are_read);
+    RUN_TEST(test_the_disc_that_is_proved_holds_every_pixel);
+    RUN_TEST(test_each_point_beside_a_line_is_noticed);
 }

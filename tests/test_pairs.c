@@ -2,6 +2,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "rc_pairs.h"
 #include "test_equations.h"
 
 enum { POINTS_MAX = TEST_SCENE_MAX, PAIRS_MAX = 4 * POINTS_MAX };
@@ -300,6 +301,242 @@ static void test_the_same_bearings_give_the_same_pairs(void)
     TEST_ASSERT_EQUAL_MEMORY(first, second, sizeof first);
 }
 
+static void assert_choice_refused(rigcal_status status, const rigcal_bearing s[], size_t n)
+{
+    rigcal_pair pairs[36];
+    size_t n_pairs;
+
+    FILL(n_pairs);
+    ASSERT_REFUSED(status, pairs, rigcal_pairs_choose(pairs, 36, &n_pairs, s, n));
+    ASSERT_UNTOUCHED(n_pairs);
+}
+
+/* Which pairs are chosen, stated once more. Few points: all pairs, of distant indices first.
+ * Many: the points in the order of a generator of period 2^k (Numerical Recipes' numbers);
+ * round r pairs each with the one r places later; at most 8 rounds. Only pairs whose rays
+ * are apart by a sixth of the image count. */
+typedef struct {
+    int i[PAIRS_MAX], j[PAIRS_MAX], n, capacity;
+    const rigcal_bearing *s;
+    double nearest;
+} own_list;
+
+static double sphere_distance(const rigcal_bearing *a, const rigcal_bearing *b)
+{
+    double p[3], q[3], d[3];
+
+    test_to_double(p, a->ray, 3);
+    test_to_double(q, b->ray, 3);
+    for (int k = 0; k < 3; k++) {
+        d[k] = p[k] / test_norm(p) - q[k] / test_norm(q);
+    }
+    return test_norm(d);
+}
+
+static int farthest_ray(const rigcal_bearing s[], int n, int from)
+{
+    int far = from;
+
+    for (int i = 0; i < n; i++) {
+        far =
+            sphere_distance(&s[i], &s[from]) > sphere_distance(&s[far], &s[from]) ? i : far;
+    }
+    return far;
+}
+
+static void own_add(own_list *list, int i, int j)
+{
+    if (list->n < list->capacity &&
+        sphere_distance(&list->s[i], &list->s[j]) >= list->nearest) {
+        list->i[list->n] = i;
+        list->j[list->n++] = j;
+    }
+}
+
+static void own_choice(own_list *list, int n)
+{
+    int order[POINTS_MAX], at = 0, count = 0, period = 1;
+
+    for (int apart = n - 1; apart >= 1 && n <= 9; apart--) {
+        for (int i = 0; i + apart < n; i++) {
+            own_add(list, i, i + apart);
+        }
+    }
+    while (period < n) {
+        period *= 2;
+    }
+    while (count < n) {
+        at = (int)(((uint64_t)at * 1664525 + 1013904223) % (uint64_t)period);
+        if (at < n) {
+            order[count++] = at;
+        }
+    }
+    for (int r = 1; r <= 8 && 2 * r < n && n > 9; r++) {
+        for (int i = 0; i < n; i++) {
+            own_add(list, order[i], order[(i + r) % n]);
+        }
+    }
+}
+
+/* How well pair k fixes an angle together with the first pair. */
+static double worth_with_first(const rigcal_pair pairs[], int k, const rigcal_bearing s[])
+{
+    double a[3], b[3], normals[3], offsets[3];
+
+    test_to_double(a, pairs[0].normal, 3);
+    test_to_double(b, pairs[k].normal, 3);
+    test_cross(normals, a, b);
+    test_to_double(a, pairs[0].offset, 3);
+    test_to_double(b, pairs[k].offset, 3);
+    test_cross(offsets, a, b);
+    return test_norm(normals) * test_norm(offsets) *
+           sphere_distance(&s[pairs[k].i], &s[pairs[k].j]);
+}
+
+/* The list of the test, with the places of the longest pair and of its best partner
+ * exchanged, is that of the library, to the order. */
+static void assert_own_choice(const rigcal_bearing s[], int n, int capacity)
+{
+    static rigcal_pair pairs[PAIRS_MAX];
+    static own_list own;
+    size_t n_pairs;
+    int at[2] = {0, 1};
+
+    ASSERT_STATUS(RIGCAL_OK,
+                  rigcal_pairs_choose(pairs, (size_t)capacity, &n_pairs, s, (size_t)n));
+    const int a = farthest_ray(s, n, 0), b = farthest_ray(s, n, a);
+    own.s = s;
+    own.n = 0;
+    own.capacity = capacity < 4 * n ? capacity : 4 * n;
+    own.nearest = sphere_distance(&s[a], &s[b]) / 6;
+    own_choice(&own, n);
+    TEST_ASSERT_EQUAL_INT(own.n, n_pairs);
+    for (int k = 0; k < own.n; k++) {
+        const rigcal_bearing *const first[2] = {&s[pairs[0].i], &s[pairs[0].j]};
+        TEST_ASSERT_TRUE(sphere_distance(&s[own.i[k]], &s[own.j[k]]) <=
+                         sphere_distance(first[0], first[1]) + TOL(1e-15, 1e-6));
+        TEST_ASSERT_TRUE(k == 0 || worth_with_first(pairs, k, s) <=
+                                       worth_with_first(pairs, 1, s) + TOL(1e-14, 1e-5));
+    }
+    for (int place = 0; place < 2; place++) { /* undoes what put_best_first exchanged */
+        for (at[place] = place;
+             own.i[at[place]] != pairs[place].i || own.j[at[place]] != pairs[place].j;
+             at[place]++) {
+            TEST_ASSERT_LESS_THAN_INT(own.n - 1, at[place]);
+        }
+        own.i[at[place]] = own.i[place];
+        own.j[at[place]] = own.j[place];
+    }
+    for (int k = 2; k < own.n; k++) {
+        TEST_ASSERT_EQUAL_INT32(own.i[k], pairs[k].i);
+        TEST_ASSERT_EQUAL_INT32(own.j[k], pairs[k].j);
+    }
+}
+
+static void test_the_pairs_are_those_of_the_rule(void)
+{
+    static const int POINTS[8] = {3, 4, 9, 10, 16, 17, 33, POINTS_MAX};
+    test_rng rng = test_seed(51);
+
+    for (int trial = 0; trial < TEST_TRIALS(96); trial++) {
+        const int n = POINTS[trial % 8] < POINTS_MAX ? POINTS[trial % 8] : POINTS_MAX;
+        test_scene scene;
+        rigcal_bearing s[POINTS_MAX];
+
+        test_scene_random(&scene, &rng, n, trial / 8 % 2 ? TEST_GENERAL : TEST_PLANAR);
+        if (n < 9) { /* far apart, so that enough pairs are left */
+            for (int i = 0; i < n; i++) {
+                scene.xy[i][0] = 0.3 * cos(2 * TEST_PI * i / n + 0.2) + 0.01 * i;
+                scene.xy[i][1] = 0.3 * sin(2 * TEST_PI * i / n + 0.2);
+            }
+        } else if (trial / 8 % 3 == 0) { /* half of them near: all rounds are needed */
+            for (int i = 0; i < n * 2 / 3; i++) {
+                scene.xy[i][0] = 0.1 * scene.xy[i][0] + 0.05;
+                scene.xy[i][1] = 0.1 * scene.xy[i][1] - 0.02;
+            }
+        }
+        test_bearings(s, &scene);
+        assert_own_choice(s, n, trial / 16 % 2 && n > 3 ? n : PAIRS_MAX);
+    }
+}
+
+/* The first pair is wrong, so no other is read. */
+static void test_there_are_at_most_four_pairs_of_2_to_the_28_points(void)
+{
+    const rigcal_pair first = {{TEST_NAN, 0, 1}, {1, 0, 0}, 0, 1};
+    const size_t most = 4 * RC_COUNT_MAX;
+
+    if (RC_COUNT_MAX > SIZE_MAX / 8) {
+        TEST_IGNORE_MESSAGE("this size_t counts no more");
+    }
+    ASSERT_STATUS(RIGCAL_ERR_NOT_FINITE, rc_check_pairs(&first, most, 2));
+    ASSERT_STATUS(RIGCAL_ERR_RANGE, rc_check_pairs(&first, most + 1, 2));
+    ASSERT_STATUS(RIGCAL_ERR_NOT_FINITE, rc_check_pairs(&first, 2, 2));
+    ASSERT_STATUS(RIGCAL_ERR_TOO_FEW, rc_check_pairs(&first, 1, 2));
+    ASSERT_STATUS(RIGCAL_ERR_NULL, rc_check_pairs(NULL, 2, 2));
+}
+
+/* Each vector of each pair: its numbers, and its length, whose square is 1 to 0.002. */
+static void test_vectors_of_pairs_are_units(void)
+{
+    static const double LENGTH[4] = {0.9989, 0.9991, 1.0009, 1.0011};
+    rigcal_pair pairs[3];
+
+    for (int i = 0; i < 6; i++) {
+        for (int k = 0; k < 3; k++) {
+            for (int p = 0; p < 3; p++) {
+                pairs[p] = (rigcal_pair){{0, 1, 0}, {0, 0, 1}, 0, 1};
+            }
+            rigcal_real *const v = i % 2 ? pairs[i / 2].normal : pairs[i / 2].offset;
+            v[k] = TEST_INF;
+            ASSERT_STATUS(RIGCAL_ERR_NOT_FINITE, rc_check_pairs(pairs, 3, 3));
+            for (int way = 0; way < 4; way++) {
+                rc_clear(v, 3);
+                v[k] = RC(LENGTH[way]);
+                ASSERT_STATUS(way % 3 ? RIGCAL_OK : RIGCAL_ERR_RANGE,
+                              rc_check_pairs(pairs, 3, 3));
+            }
+        }
+    }
+}
+
+/* Points 8 roundings apart are one, in one place or at the ends of a line. */
+static void test_points_are_the_same_up_to_eight_roundings(void)
+{
+    const rigcal_real eps = RC(TOL(2.220446049250313e-16, 1.1920928955078125e-7));
+    rigcal_bearing s[3] = {
+        {{0, 0, 0}, {0, 0, 1}}, {{1, 0, 0}, {RC(0.1), 0, 1}}, {{0, 0, 0}, {0, RC(0.1), 1}}};
+    rigcal_pair pair;
+
+    ASSERT_REFUSED(RIGCAL_ERR_COINCIDENT, pair, rigcal_pair_make(&pair, s, 3, 0, 2));
+    for (int end = 0; end < 2; end++) { /* 1 - 8 eps and 1 - 16 eps are exact */
+        s[2].X_w[0] = end ? 1 - 8 * eps : 8 * eps;
+        assert_choice_refused(RIGCAL_ERR_COINCIDENT, s, 3);
+        s[2].X_w[0] = end ? 1 - 16 * eps : 16 * eps;
+        assert_choice_refused(RIGCAL_ERR_COLLINEAR, s, 3);
+    }
+    s[2].X_w[0] = 1 - 8 * eps; /* the largest coordinate is 1 */
+    ASSERT_REFUSED(RIGCAL_ERR_COINCIDENT, pair, rigcal_pair_make(&pair, s, 3, 1, 2));
+    ASSERT_REFUSED(RIGCAL_ERR_COINCIDENT, pair, rigcal_pair_make(&pair, s, 3, 2, 1));
+    s[2].X_w[0] = 1 - 9 * eps;
+    ASSERT_STATUS(RIGCAL_OK, rigcal_pair_make(&pair, s, 3, 1, 2));
+}
+
+/* What is wrong with the points is told before what is wrong with the rays. */
+static void test_points_in_one_place_are_told_before_rays_in_a_plane(void)
+{
+    rigcal_bearing s[4];
+
+    for (int i = 0; i < 4; i++) {
+        rc_clear(s[i].X_w, 3);
+        s[i].X_w[0] = 2;
+        s[i].ray[0] = RC(0.1 * i);
+        s[i].ray[1] = 0;
+        s[i].ray[2] = 1;
+    }
+    assert_choice_refused(RIGCAL_ERR_COINCIDENT, s, 4);
+}
+
 /* A smaller number of pairs is still spread out, and nothing is written beyond it. */
 static void test_a_small_buffer_holds_fewer_pairs_still_spread(void)
 {
@@ -441,16 +678,6 @@ static void test_a_target_far_from_its_origin_is_paired_while_digits_last(void)
     }
     ASSERT_REFUSED(RIGCAL_ERR_PRECISION, pairs,
                    rigcal_pairs_choose(pairs, 15, &n_pairs, s, 6));
-}
-
-static void assert_choice_refused(rigcal_status status, const rigcal_bearing s[], size_t n)
-{
-    rigcal_pair pairs[36];
-    size_t n_pairs;
-
-    FILL(n_pairs);
-    ASSERT_REFUSED(status, pairs, rigcal_pairs_choose(pairs, 36, &n_pairs, s, n));
-    ASSERT_UNTOUCHED(n_pairs);
 }
 
 static void six_bearings(rigcal_bearing s[6], uint64_t seed, test_shape shape)
@@ -673,4 +900,9 @@ TEST_MAIN()
     RUN_TEST(test_the_unit_of_length_does_not_decide_what_is_a_line);
     RUN_TEST(test_arguments_of_the_choice_are_checked);
     RUN_TEST(test_a_point_seen_twice_is_not_paired_with_itself);
+    RUN_TEST(test_the_pairs_are_those_of_the_rule);
+    RUN_TEST(test_there_are_at_most_four_pairs_of_2_to_the_28_points);
+    RUN_TEST(test_vectors_of_pairs_are_units);
+    RUN_TEST(test_points_are_the_same_up_to_eight_roundings);
+    RUN_TEST(test_points_in_one_place_are_told_before_rays_in_a_plane);
 }

@@ -449,8 +449,9 @@ static void test_the_pairs_are_those_of_the_rule(void)
                 scene.xy[i][0] = 0.3 * cos(2 * TEST_PI * i / n + 0.2) + 0.01 * i;
                 scene.xy[i][1] = 0.3 * sin(2 * TEST_PI * i / n + 0.2);
             }
-        } else if (trial / 8 % 3 == 0) { /* half of them near: all rounds are needed */
-            for (int i = 0; i < n * 2 / 3; i++) {
+        } else if (trial / 8 % 3 ==
+                   0) { /* most are near: eight rounds do not fill the list */
+            for (int i = 0; i < n * 4 / 5; i++) {
                 scene.xy[i][0] = 0.1 * scene.xy[i][0] + 0.05;
                 scene.xy[i][1] = 0.1 * scene.xy[i][1] - 0.02;
             }
@@ -520,6 +521,26 @@ static void test_points_are_the_same_up_to_eight_roundings(void)
     ASSERT_REFUSED(RIGCAL_ERR_COINCIDENT, pair, rigcal_pair_make(&pair, s, 3, 2, 1));
     s[2].X_w[0] = 1 - 9 * eps;
     ASSERT_STATUS(RIGCAL_OK, rigcal_pair_make(&pair, s, 3, 1, 2));
+}
+
+/* Coordinates whose rounding is 1e-4 of the length of 1, to the last bit, still do. */
+static void test_the_digits_that_a_target_needs(void)
+{
+    const rigcal_real most =
+        RC(1e-4) / RC(TOL(2.220446049250313e-16, 1.1920928955078125e-7));
+
+    for (int more = 0; more < 2; more++) {
+        const rigcal_real far = RC(TOL(1 + 1e-15, 1 + 2e-7));
+        const rigcal_real x = more ? most * far : most;
+        const rigcal_bearing s[3] = {{{x, 0, 0}, {0, 0, 1}},
+                                     {{x, 1, 0}, {RC(0.1), 0, 1}},
+                                     {{x, RC(0.5), RC(0.25)}, {0, RC(0.1), 1}}};
+        rigcal_pair pairs[3];
+        size_t n_pairs;
+
+        ASSERT_STATUS(more ? RIGCAL_ERR_PRECISION : RIGCAL_OK,
+                      rigcal_pairs_choose(pairs, 3, &n_pairs, s, 3));
+    }
 }
 
 /* What is wrong with the points is told before what is wrong with the rays. */
@@ -904,5 +925,6 @@ TEST_MAIN()
     RUN_TEST(test_there_are_at_most_four_pairs_of_2_to_the_28_points);
     RUN_TEST(test_vectors_of_pairs_are_units);
     RUN_TEST(test_points_are_the_same_up_to_eight_roundings);
+    RUN_TEST(test_the_digits_that_a_target_needs);
     RUN_TEST(test_points_in_one_place_are_told_before_rays_in_a_plane);
 }

@@ -368,6 +368,30 @@ static void test_points_in_one_place_or_too_far_for_their_size_are_refused(void)
     TEST_ASSERT_EQUAL(N, p.points.n_used);
 }
 
+/* Coordinates whose rounding is 1e-4 of the size of 1, to the last bit, still do; and so
+ * does a size of 1e-30 only just not. */
+static void test_the_limits_of_size_and_digits_are_met_exactly(void)
+{
+    const rigcal_real most =
+        RC(1e-4) / RC(TOL(2.220446049250313e-16, 1.1920928955078125e-7));
+    const rigcal_real least = 1 / RC_COORDINATE_MAX, more = RC(TOL(1 + 1e-15, 1 + 2e-7));
+    test_rng rng = test_seed(83);
+    problem p;
+    random_problem(&p, &rng);
+    for (int step = 0; step < 4; step++) {
+        const rigcal_real size = step == 2 ? least : step == 3 ? least * more : 1;
+        for (int i = 0; i < N; i++) {
+            p.o[i].X_w[0] = step == 0 ? most : step == 1 ? most * more : 0;
+            p.o[i].X_w[1] = i == 1 ? size : 0;
+            p.o[i].X_w[2] = 0;
+        }
+        ASSERT_STATUS(step == 1   ? RIGCAL_ERR_PRECISION
+                      : step == 2 ? RIGCAL_ERR_COINCIDENT
+                                  : RIGCAL_OK,
+                      survey(&p, 0, NULL));
+    }
+}
+
 /* ---- one point ------------------------------------------------------------------ */
 
 /* Each point in the camera's frame, its error and distance. A mirrored point is -x. */
@@ -508,6 +532,7 @@ TEST_MAIN()
     RUN_TEST(test_fewer_than_three_that_count_are_too_few);
     RUN_TEST(test_more_than_can_be_counted_are_refused_unread);
     RUN_TEST(test_points_in_one_place_or_too_far_for_their_size_are_refused);
+    RUN_TEST(test_the_limits_of_size_and_digits_are_met_exactly);
     RUN_TEST(test_a_point_and_its_error_are_those_of_the_pose);
     RUN_TEST(test_a_point_behind_is_as_far_off_as_can_be);
     RUN_TEST(test_points_on_any_line_are_told_from_those_beside_it);

@@ -221,6 +221,70 @@ static void test_a_view_that_knows_nothing_is_degenerate(void)
     ASSERT_STATUS(RIGCAL_ERR_DEGENERATE, rc_candidates(claims, &s, 3));
 }
 
+/* The median of the variances that are known, 0 among them. It is at least that of 0.01 px.
+ * A noise that is stated comes first. */
+static void test_the_variance_is_the_median_of_those_known(void)
+{
+    static const struct {
+        double told[6], median;
+    } CASE[] = {{{4, -1, 1, 9, -1, -1}, 4},    {{4, 1, 9, 25, -1, -1}, 6.5},
+                {{0, 0, 0, 4, 9, -1}, 1e-4},   {{0, 0, 9, 25, 4, -1}, 4},
+                {{-1, -1, -1, -1, -1, -1}, 0}, {{-1, -1, -1, -1, -1, 7}, 7},
+                {{2, 2, 2, 2, 2, 2}, 2},       {{1e-9, 1e-9, -1, -1, -1, -1}, 1e-4},
+                {{0, 0, 4, 9, 16, 25}, 6.5},   {{100, 1, -1, -1, -1, -1}, 50.5},
+                {{6, 5, 4, 3, 2, 1}, 3.5},     {{-5, -4, 3, -2, 2, 8}, 3}};
+    test_rng rng = test_seed(576);
+
+    WANTS_RIG;
+    begin(&rng, 1);
+    t.rig.n_views = 6;
+    t.rig.sigma_px = 0;
+    for (size_t k = 0; k < sizeof CASE / sizeof CASE[0]; k++) {
+        test_to_real(parts.told, CASE[k].told, 6);
+        ASSERT_NEAR(CASE[k].median, rc_score_variance(&t.rig, &parts),
+                    TOL(1e-14, 1e-6) * (1 + CASE[k].median));
+    }
+    t.rig.sigma_px = 3;
+    ASSERT_NEAR(9, rc_score_variance(&t.rig, &parts), 0);
+}
+
+static int fails_at;
+
+static rigcal_status second_of(rigcal_view_pose *pose, size_t view, void *context)
+{
+    (void)view;
+    (void)context;
+    pose->n = 0;
+    return fails_at-- == 0 ? RIGCAL_ERR_STATE : RIGCAL_OK;
+}
+
+/* Whichever call of the caller's source fails, of the row or of the column, its status ends
+ * the step. */
+static void test_a_source_that_fails_ends_the_step(void)
+{
+    test_rng rng = test_seed(577);
+
+    WANTS_RIG;
+    begin(&rng, 1);
+    t.choice.second_poses = NULL;
+    t.choice.second_source = second_of;
+    for (int at = 0; at < 5; at++) {
+        fails_at = -1;
+        TEST_ASSERT_TRUE(rc_score_begin(&s, &parts));
+        ASSERT_STATUS(RIGCAL_RUNNING, rc_score_step(&s, &parts)); /* row 0 by itself */
+        TEST_ASSERT_EQUAL(1, s.row);
+        fails_at = at; /* two views of the row, then two of the column */
+        ASSERT_STATUS(at < 4 ? RIGCAL_ERR_STATE : RIGCAL_RUNNING,
+                      rc_score_step(&s, &parts));
+        TEST_ASSERT_EQUAL(at < 4 ? 0 : 1, s.column);
+        if (at == 4) { /* the row is known by now, and by itself it needs no column */
+            ASSERT_STATUS(RIGCAL_RUNNING, rc_score_step(&s, &parts));
+            TEST_ASSERT_EQUAL(0, fails_at);
+            TEST_ASSERT_EQUAL(2, s.row);
+        }
+    }
+}
+
 TEST_MAIN()
 {
     RUN_TEST(test_the_list_has_the_placements_that_tell_most);
@@ -228,4 +292,6 @@ TEST_MAIN()
     RUN_TEST(test_hypotheses_from_the_rig);
     RUN_TEST(test_how_many_agree_with_a_score);
     RUN_TEST(test_a_view_that_knows_nothing_is_degenerate);
+    RUN_TEST(test_the_variance_is_the_median_of_those_known);
+    RUN_TEST(test_a_source_that_fails_ends_the_step);
 }

@@ -137,8 +137,9 @@ static void test_noise_is_seldom_blamed(void)
 static void test_numbers_are_those_of_the_fits(void)
 {
     test_rng rng = test_seed(8);
+    int n_certain = 0;
 
-    for (int round = 0; round < 6; round++) {
+    for (int round = 0; round < 12; round++) {
         const rigcal_pose_options known = stated(NOISE);
         const rigcal_pose_options *const options = round % 2 ? &known : NULL;
         rigcal_pose pose;
@@ -147,8 +148,12 @@ static void test_numbers_are_those_of_the_fits(void)
         problem p;
 
         make(&p, &rng, 7, TEST_GENERAL);
-        spoil(&p, &rng, 2, 6);
+        if (round < 6) {
+            spoil(&p, &rng, 2, 6);
+        }
         blame(&p, options);
+        TEST_ASSERT_TRUE(p.blame.chance <= 1 && p.blame.probability <= 1);
+        n_certain += p.blame.chance >= 1;
         TEST_ASSERT_TRUE(rigcal_pose_solve(&pose, 1, &n_found, NULL,
                                            &VIEW(&p.camera, p.o, NULL, 7), options) >= 0);
         ASSERT_NEAR(pose.rms_px, p.blame.rms_px, 1e-6);
@@ -174,6 +179,7 @@ static void test_numbers_are_those_of_the_fits(void)
                                          : pow(best / all, 3))),
                     p.blame.chance, 0.01);
     }
+    TEST_ASSERT_TRUE(n_certain > 0); /* the bound is 1 where it would be more */
 }
 
 /* ---- no pose of all points ------------------------------------------------ */
@@ -262,7 +268,7 @@ static void test_of_a_turn_that_no_point_shows_there_may_be_no_pose(void)
     TEST_ASSERT_TRUE(n_degenerate > 0);
 }
 
-/* n random points before a fisheye. The pixels of points 2 and 5 are beyond its image. */
+/* n random points before a fisheye. */
 static void before_a_fisheye(rigcal_camera *camera, rigcal_observation o[], int n)
 {
     test_rng rng = test_seed(16);
@@ -281,7 +287,6 @@ static void before_a_fisheye(rigcal_camera *camera, rigcal_observation o[], int 
         test_to_real(o[i].X_w, X, 3);
         test_to_real(o[i].uv, uv, 2);
     }
-    o[2].uv[0] = o[5].uv[1] = 1200;
 }
 
 /* One point for which the lens has no ray counts as left out. If there are two, there is no
@@ -295,6 +300,7 @@ static void test_of_two_points_beyond_the_lens_none_is_blamed(void)
 
     for (int n = 8; n <= N_MANY; n += N_MANY - 8) {
         before_a_fisheye(&camera, o, n);
+        o[2].uv[0] = o[5].uv[1] = 1200; /* beyond its image */
         ASSERT_STATUS(RIGCAL_OK, rigcal_pose_diagnose(&found, rms_without,
                                                       &VIEW(&camera, o, NULL, n), NULL));
         TEST_ASSERT_EQUAL_INT32(RIGCAL_DIAGNOSIS_UNEXPLAINED, found.verdict);
@@ -304,6 +310,101 @@ static void test_of_two_points_beyond_the_lens_none_is_blamed(void)
         for (int i = 0; i < n; i++) {
             ASSERT_NEAR(-1, rms_without[i], 0);
         }
+    }
+}
+
+/* n random points before a camera, one of which is given behind it. With it there is no
+ * pose. */
+static void with_one_behind(rigcal_camera *camera, rigcal_observation o[], int n,
+                            int behind)
+{
+    test_rng rng = test_seed(21);
+
+    *camera = test_pinhole();
+    camera->fx = camera->fy = 200;
+    for (int i = 0; i < n; i++) {
+        double X[3], X_c[3], uv[2];
+
+        for (int k = 0; k < 3; k++) {
+            X[k] = test_uniform(&rng, -1, 1);
+            X_c[k] = X[k] + (k == 2 ? 2 : 0);
+        }
+        test_project_px(uv, camera, X_c);
+        X[2] = i == behind ? -3 : X[2];
+        test_to_real(o[i].X_w, X, 3);
+        test_to_real(o[i].uv, uv, 2);
+    }
+}
+
+/* Without a pose of all, the first 64 points are left out in turn. The wrong point gets
+ * blame if it is the last of these, and none if it comes next. */
+static void test_without_a_pose_the_first_points_are_left_out(void)
+{
+    static rigcal_observation o[RIGCAL_BLAME_TRIES + 2];
+    static rigcal_real rms_without[RIGCAL_BLAME_TRIES + 2];
+    const int n = RIGCAL_BLAME_TRIES + 2;
+    rigcal_camera camera;
+    rigcal_blame found;
+
+    TEST_ON_HOST_ONLY("200 poses of 65 points");
+    for (int at = RIGCAL_BLAME_TRIES - 1; at <= RIGCAL_BLAME_TRIES; at++) {
+        const int is_tried = at < RIGCAL_BLAME_TRIES;
+
+        with_one_behind(&camera, o, n, at);
+        ASSERT_STATUS(RIGCAL_OK, rigcal_pose_blame(&found, rms_without,
+                                                   &VIEW(&camera, o, NULL, n), NULL));
+        TEST_ASSERT_EQUAL_INT32(is_tried ? at : -1, found.point);
+        TEST_ASSERT_EQUAL_INT32(is_tried ? RIGCAL_BLAME_SURE : RIGCAL_BLAME_NONE,
+                                found.verdict);
+        ASSERT_NEAR(-1, found.rms_px, 0);
+        ASSERT_NEAR(is_tried ? 0 : 1, found.chance, 1e-6);
+        ASSERT_NEAR(is_tried ? 1 : 0, found.probability, 0);
+        for (int i = 0; i < n; i++) {
+            const int has_rms = is_tried && i == at;
+            ASSERT_NEAR(has_rms ? 0 : -1, rms_without[i], has_rms ? 1e-3 : 0);
+        }
+        ASSERT_STATUS(RIGCAL_OK, /* nobody wants rms_without */
+                      rigcal_pose_blame(&found, NULL, &VIEW(&camera, o, NULL, n), NULL));
+        TEST_ASSERT_EQUAL_INT32(is_tried ? at : -1, found.point);
+    }
+}
+
+/* 64 points are each left out, also two that are alike. Without either the rest is the
+ * same; the first of them gets the blame. Of 65, points alike are tried once. */
+static void test_of_64_points_each_is_left_out(void)
+{
+    static rigcal_observation o[RIGCAL_BLAME_TRIES + 1];
+    static rigcal_real rms_without[RIGCAL_BLAME_TRIES + 1];
+    test_rng rng = test_seed(19);
+    rigcal_blame found;
+    problem p;
+
+    TEST_ON_HOST_ONLY("130 poses of 64 points");
+    for (int n = RIGCAL_BLAME_TRIES; n <= RIGCAL_BLAME_TRIES + 1; n++) {
+        for (int i = 0; i < n; i++) {
+            if (i % N_MAX == 0) {
+                const test_scene same = p.scene;
+                make(&p, &rng, N_MAX, TEST_GENERAL);
+                if (i > 0) { /* more points before the same camera */
+                    memcpy(p.scene.R, same.R, sizeof same.R);
+                    memcpy(p.scene.t, same.t, sizeof same.t);
+                    test_observations(p.o, &p.scene, &p.camera);
+                }
+            }
+            o[i] = p.o[i % N_MAX];
+            o[i].uv[0] += RC(NOISE * test_normal(&rng));
+        }
+        o[61].uv[0] += 9;
+        o[62] = o[61];
+        ASSERT_STATUS(RIGCAL_OK, rigcal_pose_blame(&found, rms_without,
+                                                   &VIEW(&p.camera, o, NULL, n), NULL));
+        for (int i = 0; i < n; i++) {
+            const int is_tried = n == RIGCAL_BLAME_TRIES || i != 62;
+            TEST_ASSERT_EQUAL_INT(is_tried, rms_without[i] >= 0);
+            ASSERT_NEAR(is_tried ? D(rms_without[i]) : -1, rms_without[i], 0);
+        }
+        TEST_ASSERT_EQUAL_INT32(61, found.point);
+        ASSERT_NEAR(D(rms_without[61]), found.rms_without_px, 0);
     }
 }
 
@@ -548,6 +649,81 @@ static void test_a_point_on_the_wrong_side_is_wrong_or_the_target_is_mirrored(vo
     TEST_ASSERT_TRUE(n_mirrored > 2 && n_one > 2);
 }
 
+/* The same with a flipped image whose principal point is beside the middle, so that the two
+ * mirrored readings differ. The better one counts, which may be either. */
+static void test_of_two_mirrored_readings_the_better_one_counts(void)
+{
+    const rigcal_pose_options known = stated(NOISE);
+    int n_decided = 0;
+
+    TEST_ON_HOST_ONLY("it wants many scenes");
+    for (int k = 0; k < 200; k++) {
+        test_rng rng = test_seed(2000 + (uint64_t)k);
+        problem p;
+
+        p.camera = test_pinhole();
+        p.camera.cy = RC(239.5 + test_uniform(&rng, 5, 60));
+        p.n = 9;
+        test_scene_random(&p.scene, &rng, p.n, TEST_GENERAL);
+        for (int i = 0; i < p.n; i++) {
+            double X_c[3], uv[2];
+
+            p.scene.X[i][2] = i == 8 ? 0.4 : 0;
+            test_apply(X_c, p.scene.R, p.scene.X[i], p.scene.t);
+            test_project_px(uv, &p.camera, X_c);
+            test_to_real(p.o[i].X_w, p.scene.X[i], 3);
+            p.o[i].uv[0] = RC(uv[0] + NOISE * test_normal(&rng));
+            p.o[i].uv[1] = RC(479 - uv[1] + NOISE * test_normal(&rng));
+        }
+        (void)diagnose(&p, &known);
+        const rigcal_diagnosis *const d = &p.diagnosis;
+        if (d->blame.verdict == RIGCAL_BLAME_SURE && !d->blame.is_rest_poor &&
+            d->rms_flipped_px >= 0 && d->rms_flipped_px < d->blame.rms_without_px &&
+            (d->rms_mirrored_px < 0 || d->rms_mirrored_px >= d->blame.rms_without_px)) {
+            TEST_ASSERT_EQUAL_INT32(RIGCAL_DIAGNOSIS_MIRRORED, d->verdict);
+            n_decided++;
+        }
+    }
+    TEST_ASSERT_TRUE(n_decided > 2);
+}
+
+/* A previous pose serves only to compare units: with any such pose, also the other pose of
+ * a flat target, the diagnosis is the same. */
+static void test_a_previous_pose_changes_no_fit(void)
+{
+    test_rng rng = test_seed(20);
+    int n_second = 0;
+
+    for (int k = 0; k < TEST_TRIALS(40); k++) {
+        rigcal_pose_options options = stated(0);
+        rigcal_pose poses[RIGCAL_POSES_MAX];
+        size_t n_found;
+        problem p, q;
+
+        make(&p, &rng, 6, TEST_PLANAR);
+        q = p;
+        const int verdict = diagnose(&p, NULL);
+        if (rigcal_pose_solve(poses, RIGCAL_POSES_MAX, &n_found, NULL,
+                              &VIEW(&p.camera, p.o, NULL, (size_t)p.n), NULL) < 0) {
+            continue;
+        }
+        n_second += n_found > 1;
+        options.use_start = 1;
+        options.start = poses[n_found - 1].cam_from_world;
+        TEST_ASSERT_EQUAL_INT(verdict, diagnose(&q, &options));
+        TEST_ASSERT_EQUAL_INT32(p.diagnosis.is_handed, q.diagnosis.is_handed);
+        TEST_ASSERT_EQUAL_INT32(p.diagnosis.blame.point, q.diagnosis.blame.point);
+        ASSERT_NEAR(D(p.diagnosis.rms_mirrored_px), q.diagnosis.rms_mirrored_px, 0);
+        ASSERT_NEAR(D(p.diagnosis.rms_flipped_px), q.diagnosis.rms_flipped_px, 0);
+        ASSERT_NEAR(D(p.diagnosis.blame.rms_px), q.diagnosis.blame.rms_px, 0);
+        ASSERT_NEAR(D(p.diagnosis.blame.chance), q.diagnosis.blame.chance, 0);
+        for (int i = 0; i < p.n; i++) {
+            ASSERT_NEAR(D(p.rms_without[i]), q.rms_without[i], 0);
+        }
+    }
+    TEST_ASSERT_TRUE(TEST_ONE_IN > 1 || n_second > 3);
+}
+
 /* (C), from the numbers that are returned: both mirrored readings are a thousand times less
  * likely. */
 static void test_the_data_decide_where_neither_mirrored_reading_fits(void)
@@ -611,7 +787,11 @@ TEST_MAIN()
     RUN_TEST(test_points_without_a_pose_have_no_rms);
     RUN_TEST(test_of_a_turn_that_no_point_shows_there_may_be_no_pose);
     RUN_TEST(test_of_two_points_beyond_the_lens_none_is_blamed);
+    RUN_TEST(test_without_a_pose_the_first_points_are_left_out);
+    RUN_TEST(test_of_64_points_each_is_left_out);
     RUN_TEST(test_points_that_are_seen_alike_are_tried_once);
     RUN_TEST(test_a_point_on_the_wrong_side_is_wrong_or_the_target_is_mirrored);
+    RUN_TEST(test_of_two_mirrored_readings_the_better_one_counts);
+    RUN_TEST(test_a_previous_pose_changes_no_fit);
     RUN_TEST(test_the_data_decide_where_neither_mirrored_reading_fits);
 }

@@ -3,6 +3,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "rc_sample.h"
 #include "test_support.h"
 
 enum { N_MAX = TEST_SCENE_MAX };
@@ -573,20 +574,25 @@ static void test_a_search_ends_after_the_units_that_it_may_spend(void)
 
 enum { TRIPLES = 10 * 9 * 8 / 6 };
 
-/* If all triples may be tried, each is tried once. */
-static void test_all_triples_are_tried_once(void)
+/* Follows a search of ten wrong points, and checks the triples that it tries: all of them
+ * once, if as many samples may be drawn. */
+static void assert_each_is_tried_once(int32_t samples)
 {
     static uint8_t tried[10][10][10];
     test_rng rng = test_seed(15);
+    rigcal_robust_options options;
     rigcal_robust_solver solver;
     problem p;
     int32_t before = -1;
 
+    ASSERT_STATUS(RIGCAL_OK, rigcal_robust_defaults(&options));
+    options.samples = samples;
     memset(tried, 0, sizeof tried);
     make(&p, &rng, 10, TEST_GENERAL);
     spoil(&p, &rng, 10, IN_THE_IMAGE);
-    ASSERT_STATUS(RIGCAL_OK, rigcal_robust_begin(&solver, p.inliers, NULL,
-                                                 &VIEW(&p.camera, p.o, NULL, 10), NULL));
+    ASSERT_STATUS(RIGCAL_OK,
+                  rigcal_robust_begin(&solver, p.inliers, NULL,
+                                      &VIEW(&p.camera, p.o, NULL, 10), &options));
     do {
         if (solver.tried != before && solver.tried < TRIPLES) {
             const int32_t *const s = solver.sample;
@@ -597,6 +603,108 @@ static void test_all_triples_are_tried_once(void)
     } while (rigcal_robust_step(&solver, 1) == RIGCAL_RUNNING);
     TEST_ASSERT_EQUAL_INT(TRIPLES, solver.tried);
     TEST_ASSERT_EQUAL_INT(TRIPLES - 1, before);
+}
+
+static void test_all_triples_are_tried_once(void)
+{
+    assert_each_is_tried_once(10000);
+    assert_each_is_tried_once(TRIPLES);
+}
+
+/* With one sample fewer than there are triples they are random: those that the generator
+ * gives one after the other, from the seed on. */
+static void test_random_triples_are_tried_in_the_order_drawn(void)
+{
+    test_rng rng = test_seed(15);
+    rigcal_robust_options options;
+    rigcal_robust_solver solver;
+    problem p;
+
+    ASSERT_STATUS(RIGCAL_OK, rigcal_robust_defaults(&options));
+    options.samples = TRIPLES - 1;
+    make(&p, &rng, 10, TEST_GENERAL);
+    spoil(&p, &rng, 10, IN_THE_IMAGE);
+    for (uint32_t seed = 0; seed < 3; seed++) {
+        uint32_t random = seed == 0 ? UINT32_C(0x9e3779b9) : seed;
+        int32_t before = -1, expected[3] = {0, 0, 0};
+
+        options.seed = seed;
+        ASSERT_STATUS(RIGCAL_OK,
+                      rigcal_robust_begin(&solver, p.inliers, NULL,
+                                          &VIEW(&p.camera, p.o, NULL, 10), &options));
+        do {
+            if (solver.tried != before && solver.tried < TRIPLES - 1) {
+                rc_sample_random(expected, &random, 10);
+                before = solver.tried;
+                TEST_ASSERT_EQUAL_INT32_ARRAY(expected, solver.sample, 3);
+            }
+        } while (rigcal_robust_step(&solver, 1) == RIGCAL_RUNNING);
+        TEST_ASSERT_EQUAL_INT(TRIPLES - 1, solver.tried);
+        TEST_ASSERT_EQUAL_INT(TRIPLES - 2, before);
+    }
+}
+
+/* Where the marks of the best pose do not change, its points are solved at once: one unit
+ * chooses them, those of rigcal_pose_step solve them, one looks at the pose, and one at its
+ * misfit. */
+static void test_points_that_stay_the_same_are_solved_at_once(void)
+{
+    test_rng rng = test_seed(21);
+    rigcal_robust_solver solver;
+    rigcal_pose_solver plain;
+    problem p;
+    int32_t units = 0, own = 0;
+
+    make(&p, &rng, 12, TEST_GENERAL);
+    test_observations(p.o, &p.scene, &p.camera); /* without noise */
+    const rigcal_view view = VIEW(&p.camera, p.o, NULL, 12);
+    ASSERT_STATUS(RIGCAL_OK, rigcal_robust_begin(&solver, p.inliers, NULL, &view, NULL));
+    while (solver.tried < solver.wanted) {
+        ASSERT_STATUS(RIGCAL_RUNNING, rigcal_robust_step(&solver, 1));
+    }
+    do {
+        units++;
+    } while (rigcal_robust_step(&solver, 1) == RIGCAL_RUNNING);
+    ASSERT_STATUS(RIGCAL_OK, rigcal_pose_begin(&plain, NULL, &view, NULL));
+    do {
+        own++;
+    } while (rigcal_pose_step(&plain, 1) == RIGCAL_RUNNING);
+    TEST_ASSERT_EQUAL_INT32(own + 3, units);
+    TEST_ASSERT_EQUAL_INT(12, counted(&p));
+}
+
+/* ---- two targets ----------------------------------------------------------- */
+
+/* Half of the points are seen at the pose of the scene, the other half at another. Nothing
+ * tells which is right: the status says it, and the marks are those of the pose returned. */
+static void test_of_two_poses_that_fit_as_well_neither_is_sure(void)
+{
+    test_rng rng = test_seed(22);
+    int n_doubtful = 0;
+
+    for (int trial = 0; trial < TEST_TRIALS(40); trial++) {
+        double turn[9], R[9];
+        problem p;
+
+        make(&p, &rng, 20, TEST_GENERAL);
+        test_rotation(turn, 0.5, 0.3, -0.4);
+        test_product(R, turn, p.scene.R);
+        for (int i = 10; i < 20; i++) {
+            double X_c[3], uv[2];
+
+            test_apply(X_c, R, p.scene.X[i], p.scene.t);
+            test_project_px(uv, &p.camera, X_c);
+            for (int k = 0; k < 2; k++) {
+                p.o[i].uv[k] = RC(uv[k] + NOISE * test_normal(&rng));
+            }
+        }
+        const rigcal_status status = solve(&p, NULL);
+        TEST_ASSERT_TRUE(status >= 0);
+        TEST_ASSERT_TRUE(inliers_are_those_of_the_pose(&p, 3));
+        TEST_ASSERT_EQUAL_INT(counted(&p), p.n_inliers);
+        n_doubtful += status == RIGCAL_FEW_AGREE;
+    }
+    TEST_ASSERT_GREATER_THAN_INT(TEST_TRIALS(40) / 2, n_doubtful);
 }
 
 /* ---- thresholds near the noise, and below it ------------------------------ */
@@ -813,6 +921,9 @@ TEST_MAIN()
     RUN_TEST(test_nine_in_ten_may_be_wrong);
     RUN_TEST(test_a_search_ends_after_the_units_that_it_may_spend);
     RUN_TEST(test_all_triples_are_tried_once);
+    RUN_TEST(test_random_triples_are_tried_in_the_order_drawn);
+    RUN_TEST(test_points_that_stay_the_same_are_solved_at_once);
+    RUN_TEST(test_of_two_poses_that_fit_as_well_neither_is_sure);
     RUN_TEST(test_a_threshold_may_be_less_than_a_pixel);
     RUN_TEST(test_with_room_for_one_pose_the_best_is_written);
     RUN_TEST(test_as_many_triples_are_tried_as_the_chance_to_miss_asks);

@@ -182,6 +182,74 @@ static void test_numbers_are_those_of_the_fits(void)
     TEST_ASSERT_TRUE(n_certain > 0); /* the bound is 1 where it would be more */
 }
 
+/* Errors of all sizes: the limits of both verdicts have scenes on both their sides, within a
+ * factor of two. */
+static void test_verdicts_are_those_of_chance_and_probability(void)
+{
+    const rigcal_pose_options known = stated(NOISE);
+    test_rng rng = test_seed(22);
+    int near_sure[2] = {0, 0}, near_likely[2] = {0, 0}, near_certain[2] = {0, 0};
+
+    TEST_ON_HOST_ONLY("each limit wants scenes");
+    for (int k = 0; k < 1500; k++) {
+        problem p;
+
+        make(&p, &rng, 5 + k % 4, TEST_GENERAL);
+        spoil(&p, &rng, k % 5, test_uniform(&rng, 0, 20));
+        blame(&p, k % 2 ? &known : NULL);
+        const double chance = D(p.blame.chance), probability = D(p.blame.probability);
+        TEST_ASSERT_EQUAL_INT32(chance <= 0.01 && probability >= 0.99 ? RIGCAL_BLAME_SURE
+                                : chance <= 0.1                       ? RIGCAL_BLAME_LIKELY
+                                                                      : RIGCAL_BLAME_NONE,
+                                p.blame.verdict);
+        if (probability >= 0.99 && chance > 0.005 && chance < 0.02) {
+            near_sure[chance > 0.01]++;
+        }
+        if (chance > 0.05 && chance < 0.2) {
+            near_likely[chance > 0.1]++;
+        }
+        if (chance <= 0.01 && probability > 0.98 && probability < 0.995) {
+            near_certain[probability >= 0.99]++;
+        }
+    }
+    for (int side = 0; side < 2; side++) {
+        TEST_ASSERT_TRUE(near_sure[side] > 2 && near_likely[side] > 2 &&
+                         near_certain[side] > 2);
+    }
+}
+
+/* The rest is poor where rigcal_pose_solve says so of it, not where it has another
+ * caveat. */
+static void test_the_rest_is_poor_where_its_fit_is(void)
+{
+    const rigcal_pose_options known = stated(NOISE);
+    test_rng rng = test_seed(23);
+    int n_poor = 0, n_other = 0;
+
+    for (int k = 0; k < TEST_TRIALS(60); k++) {
+        rigcal_observation rest[N_MAX];
+        rigcal_pose pose;
+        size_t n_found;
+        problem p;
+
+        make(&p, &rng, 6, TEST_PLANAR);
+        if (k % 3 == 0) {
+            spoil(&p, &rng, 1, 30);
+            spoil(&p, &rng, 3, 30);
+        }
+        blame(&p, &known);
+        const int out = p.blame.point;
+        memcpy(rest, p.o, sizeof rest);
+        memmove(&rest[out], &rest[out + 1], (size_t)(5 - out) * sizeof rest[0]);
+        const rigcal_status status = rigcal_pose_solve(
+            &pose, 1, &n_found, NULL, &VIEW(&p.camera, rest, NULL, 5), &known);
+        TEST_ASSERT_EQUAL_INT32(status == RIGCAL_POOR_FIT, p.blame.is_rest_poor);
+        n_poor += status == RIGCAL_POOR_FIT;
+        n_other += status > 0 && status != RIGCAL_POOR_FIT;
+    }
+    TEST_ASSERT_TRUE(TEST_ONE_IN > 1 || (n_poor > 2 && n_other > 2));
+}
+
 /* ---- no pose of all points ------------------------------------------------ */
 
 /* Random pixels, for which there is no pose. */
@@ -478,6 +546,62 @@ static void test_mirrored_data_are_told(void)
     TEST_ASSERT_GREATER_THAN_INT(54, told);
 }
 
+/* Both mirrored readings are fits of data that are mirrored by hand: Z to -Z, and v to
+ * height - 1 - v. The camera's centre is beside the middle, and its lens has no symmetry.
+ * Where one reading is believed, the data decide. */
+static void test_mirrored_readings_are_fits_of_mirrored_data(void)
+{
+    test_rng rng = test_seed(24);
+    int n_told[2] = {0, 0};
+
+    for (int k = 0; k < TEST_TRIALS(24); k++) {
+        double rms[2];
+        problem p;
+
+        make(&p, &rng, 9, TEST_GENERAL);
+        p.camera.cy = RC(200);
+        p.camera.k1 = RC(-0.05);
+        p.camera.p1 = RC(0.01);
+        p.camera.p2 = RC(-0.005);
+        for (int i = 0; i < p.n; i++) {
+            double X_c[3], uv[2];
+
+            test_apply(X_c, p.scene.R, p.scene.X[i], p.scene.t);
+            test_project_px(uv, &p.camera, X_c);
+            uv[1] = k % 3 == 1 ? 479 - uv[1] : uv[1];
+            test_to_real(p.o[i].uv, uv, 2);
+            p.o[i].uv[0] += RC(NOISE * test_normal(&rng));
+            p.o[i].X_w[2] *= RC(k % 3 == 2 ? -1 : 1);
+        }
+        const int verdict = diagnose(&p, NULL);
+        for (int way = 0; way < 2; way++) {
+            rigcal_observation o[N_MAX];
+            rigcal_pose pose;
+            size_t n_found;
+
+            memcpy(o, p.o, sizeof o);
+            for (int i = 0; i < p.n; i++) {
+                if (way == 0) {
+                    o[i].X_w[2] = -o[i].X_w[2];
+                } else {
+                    o[i].uv[1] = 479 - o[i].uv[1];
+                }
+            }
+            rms[way] = rigcal_pose_solve(&pose, 1, &n_found, NULL,
+                                         &VIEW(&p.camera, o, NULL, (size_t)p.n), NULL) >= 0
+                           ? D(pose.rms_px)
+                           : -1;
+        }
+        ASSERT_NEAR(rms[0], p.diagnosis.rms_mirrored_px, TOL(1e-5, 1e-2));
+        ASSERT_NEAR(rms[1], p.diagnosis.rms_flipped_px, TOL(1e-5, 1e-2));
+        if (verdict == RIGCAL_DIAGNOSIS_MIRRORED) {
+            TEST_ASSERT_EQUAL_INT(1, p.diagnosis.is_handed);
+            n_told[rms[1] < rms[0]]++;
+        }
+    }
+    TEST_ASSERT_TRUE(TEST_ONE_IN > 1 || (n_told[0] > 2 && n_told[1] > 2));
+}
+
 static void test_a_flat_target_has_no_hand(void)
 {
     test_rng rng = test_seed(11);
@@ -540,6 +664,31 @@ static void test_units_are_told_from_a_previous_pose(void)
                               diagnose(&p, &options));
         ASSERT_NEAR(factor > 1 || factor < 1 ? factor : 0, p.diagnosis.units,
                     TOL(1e-6, 1e-4) * factor);
+    }
+}
+
+/* A factor counts as a mistake of units up to 10 % off, to either side. */
+static void test_units_are_told_up_to_a_tenth(void)
+{
+    static const double UNIT[4] = {10, 25.4, 100, 1000};
+    static const double OFF[4] = {1.09, 1.11, 1 / 1.09, 1 / 1.11};
+    test_rng rng = test_seed(25);
+
+    for (int k = 0; k < 32; k++) {
+        const double unit = k / 4 % 2 ? UNIT[k / 8] : 1 / UNIT[k / 8];
+        rigcal_pose_options options = stated(0);
+        problem p;
+
+        make(&p, &rng, 8, TEST_GENERAL);
+        test_observations(p.o, &p.scene, &p.camera);
+        options.use_start = 1;
+        options.start = test_transform(p.scene.R, p.scene.t);
+        for (int j = 0; j < 3; j++) {
+            options.start.t[j] = RC(p.scene.t[j] / unit / OFF[k % 4]);
+        }
+        TEST_ASSERT_EQUAL_INT(k % 2 ? RIGCAL_DIAGNOSIS_CONSISTENT : RIGCAL_DIAGNOSIS_UNITS,
+                              diagnose(&p, &options));
+        ASSERT_NEAR(k % 2 ? 0 : unit, p.diagnosis.units, TOL(1e-12, 1e-6) * unit);
     }
 }
 
@@ -777,11 +926,15 @@ TEST_MAIN()
     RUN_TEST(test_five_points_tell_little);
     RUN_TEST(test_noise_is_seldom_blamed);
     RUN_TEST(test_numbers_are_those_of_the_fits);
+    RUN_TEST(test_verdicts_are_those_of_chance_and_probability);
+    RUN_TEST(test_the_rest_is_poor_where_its_fit_is);
     RUN_TEST(test_consistent_data_are);
     RUN_TEST(test_mirrored_data_are_told);
+    RUN_TEST(test_mirrored_readings_are_fits_of_mirrored_data);
     RUN_TEST(test_a_flat_target_has_no_hand);
     RUN_TEST(test_one_wrong_point_is_told_and_several_are_not_explained);
     RUN_TEST(test_units_are_told_from_a_previous_pose);
+    RUN_TEST(test_units_are_told_up_to_a_tenth);
     RUN_TEST(test_there_is_no_rms_where_the_others_have_no_pose);
     RUN_TEST(test_there_is_no_rms_of_what_was_not_left_out);
     RUN_TEST(test_points_without_a_pose_have_no_rms);

@@ -3,6 +3,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "rc_agree.h"
 #include "rc_sample.h"
 #include "test_support.h"
 
@@ -404,6 +405,44 @@ static void test_a_threshold_may_be_less_than_a_pixel(void)
     TEST_ASSERT_EQUAL_INT(20, p.n_inliers);
 }
 
+/* One point is off by a little less or more than the threshold, the others are exact. They
+ * are so many that the one cannot draw the pose towards itself. The threshold is 3 px, four
+ * times the noise stated, or what is stated; in an image whose unit is the focal length,
+ * 3 / 800 of it. */
+static void test_a_point_agrees_up_to_the_threshold(void)
+{
+    static const struct {
+        double threshold, sigma, limit, focal;
+    } CASE[] = {{0, 0, 3, 800},     {0, 0.5, 2, 800},     {0, 0.05, 0.2, 800},
+                {0, 5, 20, 800},    {0.25, 0, 0.25, 800}, {0.6, 3, 0.6, 800},
+                {7, 0.1, 7, 800},   {0, 0, 3 / 800.0, 1}, {0, 0, 1.5, 20},
+                {1.5, 0, 1.5, 800}, {0.01, 0, 0.01, 1}};
+
+    TEST_ON_HOST_ONLY("40 points");
+    for (size_t k = 0; k < 2 * sizeof CASE / sizeof CASE[0]; k++) {
+        const double by = k % 2 ? 1.06 : 0.97, f = CASE[k / 2].focal;
+        test_rng rng = test_seed(24);
+        rigcal_robust_options options;
+        problem p;
+
+        ASSERT_STATUS(RIGCAL_OK, rigcal_robust_defaults(&options));
+        options.threshold_px = RC(CASE[k / 2].threshold);
+        options.sigma_px = RC(CASE[k / 2].sigma);
+        make(&p, &rng, 40, TEST_GENERAL);
+        p.camera.fx = p.camera.fy = RC(f);
+        p.camera.cx = RC(0.4 * f);
+        p.camera.cy = RC(0.3 * f);
+        p.camera.width = f < 800 ? 40 : 640;
+        p.camera.height = f < 800 ? 30 : 480;
+        test_observations(p.o, &p.scene, &p.camera);
+        p.o[3].uv[0] += RC(0.6 * by * CASE[k / 2].limit);
+        p.o[3].uv[1] -= RC(0.8 * by * CASE[k / 2].limit);
+        TEST_ASSERT_TRUE(solve(&p, &options) >= 0);
+        TEST_ASSERT_EQUAL_INT(by < 1, p.inliers[3]);
+        TEST_ASSERT_EQUAL_INT(40 - (by > 1), p.n_inliers);
+    }
+}
+
 /* Three points alone fit several poses; these five have two. */
 static void test_with_room_for_one_pose_the_best_is_written(void)
 {
@@ -673,6 +712,125 @@ static void test_points_that_stay_the_same_are_solved_at_once(void)
     TEST_ASSERT_EQUAL_INT(12, counted(&p));
 }
 
+/* ---- the verdict ----------------------------------------------------------- */
+
+/* A pose that was found, for points as the solver has centred them. */
+static rigcal_transform centred(const rigcal_robust_solver *s, const rigcal_pose *pose)
+{
+    rigcal_transform T = pose->cam_from_world;
+    double R[9], t[3], origin[3], moved[3];
+
+    test_transform_parts(R, t, &T);
+    test_to_double(origin, s->points.origin, 3);
+    test_apply(moved, R, origin, t);
+    test_to_real(T.t, moved, 3);
+    return T;
+}
+
+/* Whether the rival of the search is as good to within 0.7 points, is none of the poses
+ * found, and agrees with other points. */
+static int has_rival(const rigcal_robust_solver *s, const problem *p, int *changed)
+{
+    uint8_t marks[N_MAX];
+
+    if (!(D(s->rival_cost) < D(s->cost) + 0.7 * 9)) {
+        return 0;
+    }
+    for (size_t i = 0; i < p->n_found; i++) {
+        const rigcal_transform T = centred(s, &p->poses[i]);
+        if (!rc_agree_differ(&s->rival, &T, RC(0.05))) {
+            return 0;
+        }
+    }
+    memcpy(marks, p->inliers, sizeof marks);
+    *changed = (int)rc_agree_mark(marks, NULL, &s->points, &s->rival, 9);
+    return *changed > 0;
+}
+
+/* Right and wrong points, near the others, with more or less noise. */
+static void make_doubtful(problem *p, int trial)
+{
+    test_rng rng = test_seed(5000 + (uint64_t)trial);
+    const int n = 6 + trial % 7;
+
+    make(p, &rng, n, (test_shape)(trial % 3));
+    for (int i = 0; i < 2 * n; i++) {
+        p->o[i / 2].uv[i % 2] += RC((trial % 5) * 0.3 * test_normal(&rng));
+    }
+    spoil(p, &rng,
+          trial % 4 == 0   ? n
+          : trial % 4 == 1 ? 0
+          : trial % 4 == 2 ? 2
+                           : n / 2,
+          NEAR_THE_TARGET);
+}
+
+/* (E): there is no consensus if chance expects 0.3 such poses or more. There is a caveat if
+ * it expects 5e-5 over the fourth power of the misfit, if there is a rival, or if fewer
+ * than 6 points agree. Each limit has scenes on both its sides, within a factor of two. */
+static void test_the_verdict_is_that_of_chance_and_of_the_rival(void)
+{
+    int near_none[2] = {0, 0}, near_doubt[2] = {0, 0}, of_rival[3] = {0, 0, 0};
+
+    TEST_ON_HOST_ONLY("each limit wants scenes");
+    for (int trial = 0; trial < 6000; trial++) {
+        rigcal_robust_solver s;
+        problem p;
+        int changed = -1;
+
+        make_doubtful(&p, trial);
+        ASSERT_STATUS(RIGCAL_OK,
+                      rigcal_robust_begin(&s, p.inliers, NULL,
+                                          &VIEW(&p.camera, p.o, NULL, (size_t)p.n), NULL));
+        while (rigcal_robust_step(&s, 1000) == RIGCAL_RUNNING) {
+        }
+        const rigcal_status status =
+            rigcal_robust_result(p.poses, RIGCAL_POSES_MAX, &p.n_found, &p.n_inliers, &s);
+        if (s.failure < 0) {
+            ASSERT_STATUS((rigcal_status)s.failure, status);
+            continue;
+        }
+        const double chance = D(s.by_chance);
+        near_none[chance >= 0.3] += chance > 0.15 && chance < 0.6;
+        TEST_ASSERT_EQUAL_INT(chance >= 0.3, status == RIGCAL_ERR_NO_CONSENSUS);
+        if (status < 0) {
+            continue;
+        }
+        const rigcal_transform best = centred(&s, &p.poses[0]);
+        const double misfit = D(rc_agree_misfit(&s.points, &best));
+        const double doubt = chance * pow(misfit, 4);
+        const int is_rival = doubt < 5e-5 && has_rival(&s, &p, &changed);
+        near_doubt[doubt >= 5e-5] += doubt > 2.5e-5 && doubt < 1e-4;
+        of_rival[changed < 2 ? changed + 1 : 0] += changed < 2;
+        if (fabs(doubt - 5e-5) > 1e-8) { /* the test computes with more digits */
+            TEST_ASSERT_EQUAL_INT(p.n_inliers < 6 || doubt >= 5e-5 || is_rival,
+                                  status == RIGCAL_FEW_AGREE);
+        }
+    }
+    for (int k = 0; k < 2; k++) {
+        TEST_ASSERT_TRUE(near_none[k] > 5 && near_doubt[k] > 5);
+        TEST_ASSERT_TRUE(of_rival[1 + k] > 5); /* the same points, and one other point */
+    }
+}
+
+/* Half of the points, or fewer than half of them, agree. */
+static void test_fewer_than_half_is_told(void)
+{
+    for (int agree = 9; agree <= 11; agree++) {
+        test_rng rng = test_seed(23);
+        problem p;
+
+        make(&p, &rng, 20, TEST_GENERAL);
+        test_observations(p.o, &p.scene, &p.camera);
+        for (int i = agree; i < 20; i++) {
+            p.o[i].uv[0] += RC(100 + 17 * (i - agree));
+            p.o[i].uv[1] += RC(i % 3 * 60 - 60);
+        }
+        ASSERT_STATUS(agree < 10 ? RIGCAL_MOST_DISAGREE : RIGCAL_OK, solve(&p, NULL));
+        TEST_ASSERT_EQUAL_INT(agree, p.n_inliers);
+    }
+}
+
 /* ---- two targets ----------------------------------------------------------- */
 
 /* Half of the points are seen at the pose of the scene, the other half at another. Nothing
@@ -855,6 +1013,106 @@ static void test_options_out_of_range_are_refused(void)
     ASSERT_STATUS(RIGCAL_ERR_NOT_FINITE, solve(&p, &options));
 }
 
+/* Nothing is written, by neither function. */
+static void test_four_points_or_room_for_no_pose_are_refused(void)
+{
+    test_rng rng = test_seed(25);
+    rigcal_robust_solver solver;
+    size_t n_found, n_inliers;
+    uint8_t inliers[8];
+    rigcal_pose pose;
+    problem p;
+
+    make(&p, &rng, 8, TEST_GENERAL);
+    const rigcal_view view = VIEW(&p.camera, p.o, NULL, 8);
+    FILL(n_found);
+    FILL(n_inliers);
+    FILL(inliers);
+    ASSERT_REFUSED(RIGCAL_ERR_TOO_FEW, pose,
+                   rigcal_robust_solve(&pose, 1, &n_found, inliers, &n_inliers, NULL,
+                                       &VIEW(&p.camera, p.o, NULL, 4), NULL));
+    ASSERT_REFUSED(
+        RIGCAL_ERR_RANGE, pose,
+        rigcal_robust_solve(&pose, 0, &n_found, inliers, &n_inliers, NULL, &view, NULL));
+    ASSERT_UNTOUCHED(inliers);
+    ASSERT_STATUS(RIGCAL_OK, rigcal_robust_begin(&solver, inliers, NULL, &view, NULL));
+    ASSERT_REFUSED(RIGCAL_ERR_STATE, pose,
+                   rigcal_robust_result(&pose, 1, &n_found, &n_inliers, &solver));
+    while (rigcal_robust_step(&solver, 1000) == RIGCAL_RUNNING) {
+    }
+    ASSERT_REFUSED(RIGCAL_ERR_RANGE, pose,
+                   rigcal_robust_result(&pose, 0, &n_found, &n_inliers, &solver));
+    ASSERT_UNTOUCHED(n_found);
+    ASSERT_UNTOUCHED(n_inliers);
+    TEST_ASSERT_TRUE(rigcal_robust_result(&pose, 1, &n_found, &n_inliers, &solver) >= 0);
+    TEST_ASSERT_EQUAL(1, n_found);
+    TEST_ASSERT_TRUE(/* five points are enough */
+                     rigcal_robust_solve(&pose, 1, &n_found, inliers, &n_inliers, NULL,
+                                         &VIEW(&p.camera, p.o, NULL, 5), NULL) >= 0);
+}
+
+/* Four of five points agree, too few to improve a pose. What is in `inliers` before the
+ * search does not matter, not even if it is the result. */
+static void test_what_was_in_the_marks_does_not_matter(void)
+{
+    test_rng rng = test_seed(26);
+    int32_t units[2] = {0, 0};
+
+    for (int trial = 0; trial < TEST_TRIALS(20); trial++) {
+        problem p;
+
+        make(&p, &rng, 5, TEST_GENERAL);
+        test_observations(p.o, &p.scene, &p.camera);
+        p.o[4].uv[0] += 150;
+        for (int way = 0; way < 2; way++) {
+            rigcal_robust_solver solver;
+
+            for (int i = 0; i < 5; i++) {
+                p.inliers[i] = way && i < 4;
+            }
+            ASSERT_STATUS(RIGCAL_OK,
+                          rigcal_robust_begin(&solver, p.inliers, NULL,
+                                              &VIEW(&p.camera, p.o, NULL, 5), NULL));
+            for (units[way] = 1; rigcal_robust_step(&solver, 1) == RIGCAL_RUNNING;) {
+                units[way]++;
+            }
+        }
+        TEST_ASSERT_EQUAL_INT32(units[0], units[1]);
+    }
+}
+
+/* The noise that is stated also judges the pose of the points that agree. */
+static void test_the_noise_judges_the_pose_too(void)
+{
+    test_rng rng = test_seed(27);
+    rigcal_robust_options options;
+    rigcal_pose_options plain;
+
+    ASSERT_STATUS(RIGCAL_OK, rigcal_robust_defaults(&options));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_pose_defaults(&plain));
+    for (int trial = 0; trial < TEST_TRIALS(20); trial++) {
+        rigcal_pose poses[RIGCAL_POSES_MAX];
+        size_t n_found;
+        problem p;
+
+        options.sigma_px = plain.sigma_px = RC(trial % 2 ? 0.05 : 0.5);
+        options.threshold_px = 3;
+        make(&p, &rng, 12, trial % 4 < 2 ? TEST_PLANAR : TEST_GENERAL);
+        const rigcal_status status = solve(&p, &options);
+        if (status < 0 || status == RIGCAL_FEW_AGREE || p.n_inliers < 12) {
+            continue;
+        }
+        ASSERT_STATUS(rigcal_pose_solve(poses, RIGCAL_POSES_MAX, &n_found, NULL,
+                                        &VIEW(&p.camera, p.o, NULL, 12), &plain),
+                      status);
+        TEST_ASSERT_EQUAL_size_t(n_found, p.n_found);
+        for (size_t i = 0; i < n_found; i++) {
+            ASSERT_NEAR(D(poses[i].probability), p.poses[i].probability, 0);
+        }
+        TEST_ASSERT_EQUAL_INT(trial % 2, status == RIGCAL_POOR_FIT);
+    }
+}
+
 static void test_a_solver_that_was_not_begun_is_refused(void)
 {
     rigcal_robust_solver solver;
@@ -923,8 +1181,11 @@ TEST_MAIN()
     RUN_TEST(test_all_triples_are_tried_once);
     RUN_TEST(test_random_triples_are_tried_in_the_order_drawn);
     RUN_TEST(test_points_that_stay_the_same_are_solved_at_once);
+    RUN_TEST(test_the_verdict_is_that_of_chance_and_of_the_rival);
+    RUN_TEST(test_fewer_than_half_is_told);
     RUN_TEST(test_of_two_poses_that_fit_as_well_neither_is_sure);
     RUN_TEST(test_a_threshold_may_be_less_than_a_pixel);
+    RUN_TEST(test_a_point_agrees_up_to_the_threshold);
     RUN_TEST(test_with_room_for_one_pose_the_best_is_written);
     RUN_TEST(test_as_many_triples_are_tried_as_the_chance_to_miss_asks);
     RUN_TEST(test_a_threshold_of_two_sigma_gives_the_right_pose);
@@ -934,6 +1195,9 @@ TEST_MAIN()
     RUN_TEST(test_points_on_a_line_are_refused);
     RUN_TEST(test_options_out_of_range_are_refused);
     RUN_TEST(test_a_solver_that_was_not_begun_is_refused);
+    RUN_TEST(test_four_points_or_room_for_no_pose_are_refused);
+    RUN_TEST(test_what_was_in_the_marks_does_not_matter);
+    RUN_TEST(test_the_noise_judges_the_pose_too);
     RUN_TEST(test_seed_0_is_a_seed);
     RUN_TEST(test_a_search_may_end_at_any_unit);
 }

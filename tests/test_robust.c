@@ -733,7 +733,9 @@ static int has_rival(const rigcal_robust_solver *s, const problem *p, int *chang
 {
     uint8_t marks[N_MAX];
 
-    if (!(D(s->rival_cost) < D(s->cost) + 0.7 * 9)) {
+    const double limit = pow(D(s->threshold_px), 2);
+
+    if (!(D(s->rival_cost) < D(s->cost) + 0.7 * limit)) {
         return 0;
     }
     for (size_t i = 0; i < p->n_found; i++) {
@@ -743,7 +745,7 @@ static int has_rival(const rigcal_robust_solver *s, const problem *p, int *chang
         }
     }
     memcpy(marks, p->inliers, sizeof marks);
-    *changed = (int)rc_agree_mark(marks, NULL, &s->points, &s->rival, 9);
+    *changed = (int)rc_agree_mark(marks, NULL, &s->points, &s->rival, RC(limit));
     return *changed > 0;
 }
 
@@ -751,11 +753,12 @@ static int has_rival(const rigcal_robust_solver *s, const problem *p, int *chang
 static void make_doubtful(problem *p, int trial)
 {
     test_rng rng = test_seed(5000 + (uint64_t)trial);
-    const int n = 6 + trial % 7;
+    const int n = 6 + trial % 7 + (trial / 5 % 2 ? 4 : 0);
 
     make(p, &rng, n, (test_shape)(trial % 3));
     for (int i = 0; i < 2 * n; i++) {
-        p->o[i / 2].uv[i % 2] += RC((trial % 5) * 0.3 * test_normal(&rng));
+        p->o[i / 2].uv[i % 2] +=
+            RC((trial % 5) * (trial / 5 % 2 ? 3 : 0.3) * test_normal(&rng));
     }
     spoil(p, &rng,
           trial % 4 == 0   ? n
@@ -771,14 +774,18 @@ static void make_doubtful(problem *p, int trial)
 static void test_the_verdict_is_that_of_chance_and_of_the_rival(void)
 {
     int near_none[2] = {0, 0}, near_doubt[2] = {0, 0}, of_rival[3] = {0, 0, 0};
+    rigcal_robust_options options;
+    int n_small = 0;
 
     TEST_ON_HOST_ONLY("each limit wants scenes");
+    ASSERT_STATUS(RIGCAL_OK, rigcal_robust_defaults(&options));
     for (int trial = 0; trial < 6000; trial++) {
         rigcal_robust_solver s;
         problem p;
         int changed = -1;
 
         make_doubtful(&p, trial);
+        options.threshold_px = RC(trial / 5 % 2 ? 25 : 3);
         ASSERT_STATUS(RIGCAL_OK,
                       rigcal_robust_begin(&s, p.inliers, NULL,
                                           &VIEW(&p.camera, p.o, NULL, (size_t)p.n), NULL));
@@ -799,6 +806,7 @@ static void test_the_verdict_is_that_of_chance_and_of_the_rival(void)
         const rigcal_transform best = centred(&s, &p.poses[0]);
         const double misfit = D(rc_agree_misfit(&s.points, &best));
         const double doubt = chance * pow(misfit, 4);
+        n_small += p.n_inliers >= 6 && !(doubt >= 5e-5) && chance * pow(0.2, 4) >= 5e-5;
         const int is_rival = doubt < 5e-5 && has_rival(&s, &p, &changed);
         near_doubt[doubt >= 5e-5] += doubt > 2.5e-5 && doubt < 1e-4;
         of_rival[changed < 2 ? changed + 1 : 0] += changed < 2;
@@ -809,6 +817,7 @@ static void test_the_verdict_is_that_of_chance_and_of_the_rival(void)
     }
     for (int k = 0; k < 2; k++) {
         TEST_ASSERT_TRUE(near_none[k] > 5 && near_doubt[k] > 5);
+        TEST_ASSERT_TRUE(n_small > 2);         /* much by chance, but little misfit */
         TEST_ASSERT_TRUE(of_rival[1 + k] > 5); /* the same points, and one other point */
     }
 }
@@ -1036,6 +1045,8 @@ static void test_four_points_or_room_for_no_pose_are_refused(void)
         rigcal_robust_solve(&pose, 0, &n_found, inliers, &n_inliers, NULL, &view, NULL));
     ASSERT_UNTOUCHED(inliers);
     ASSERT_STATUS(RIGCAL_OK, rigcal_robust_begin(&solver, inliers, NULL, &view, NULL));
+    ASSERT_REFUSED(RIGCAL_ERR_RANGE, pose, /* before the search is looked at */
+                   rigcal_robust_result(&pose, 0, &n_found, &n_inliers, &solver));
     ASSERT_REFUSED(RIGCAL_ERR_STATE, pose,
                    rigcal_robust_result(&pose, 1, &n_found, &n_inliers, &solver));
     while (rigcal_robust_step(&solver, 1000) == RIGCAL_RUNNING) {

@@ -1192,6 +1192,39 @@ static void test_garbled_pixels_give_honest_poses_or_none(void)
     }
 }
 
+/* A lens that folds has an image of a point beyond its fold too, but does not see it there.
+ * The pose that fits all pixels is none, in whatever unit of length. */
+static void test_a_point_beyond_the_fold_spoils_a_pose_in_every_unit(void)
+{
+    static const double SCALE[3] = {1, 1.0 / 4096, 4096};
+
+    for (int trial = 0; trial < TEST_TRIALS(12); trial++) {
+        const double scale = SCALE[trial % 3];
+        test_rng rng = test_seed(4000 + (uint64_t)(trial / 3));
+        rigcal_camera camera = test_pinhole();
+        rigcal_observation o[8];
+        rigcal_pose pose;
+        size_t n_found;
+
+        camera.k1 = RC(-0.3); /* folds at 1.05 */
+        for (int i = 0; i < 8; i++) {
+            const double z = test_uniform(&rng, 2, 4);
+            const double x = i == 5 ? 1.5 : test_uniform(&rng, -0.4, 0.4);
+            const double y = test_uniform(&rng, -0.3, 0.3),
+                         bend = 1 - 0.3 * (x * x + y * y);
+
+            o[i].X_w[0] = RC(scale * x * z);
+            o[i].X_w[1] = RC(scale * y * z);
+            o[i].X_w[2] = RC(scale * (z - 3));
+            o[i].uv[0] = RC(D(camera.cx) + D(camera.fx) * bend * x);
+            o[i].uv[1] = RC(D(camera.cy) + D(camera.fy) * bend * y);
+        }
+        const rigcal_status status =
+            rigcal_pose_solve(&pose, 1, &n_found, NULL, &VIEW(&camera, o, NULL, 8), NULL);
+        TEST_ASSERT_TRUE(status < 0 || D(pose.rms_px) > 0.5);
+    }
+}
+
 TEST_MAIN()
 {
     RUN_TEST(test_exact_scenes_give_their_pose);
@@ -1229,4 +1262,5 @@ TEST_MAIN()
     RUN_TEST(test_a_solver_with_a_field_out_of_range_is_refused);
     RUN_TEST(test_a_start_whose_last_step_leads_behind_is_dropped);
     RUN_TEST(test_garbled_pixels_give_honest_poses_or_none);
+    RUN_TEST(test_a_point_beyond_the_fold_spoils_a_pose_in_every_unit);
 }

@@ -614,7 +614,8 @@ static void test_a_search_ends_after_the_units_that_it_may_spend(void)
 enum { TRIPLES = 10 * 9 * 8 / 6 };
 
 /* Follows a search of ten wrong points, and checks the triples that it tries: all of them
- * once, if as many samples may be drawn. */
+ * once, if as many samples may be drawn. The first is (0, 1, 2); the number of the next one
+ * is that many further on, in the order of a dictionary, and again from 0. */
 static void assert_each_is_tried_once(int32_t samples)
 {
     static uint8_t tried[10][10][10];
@@ -622,7 +623,7 @@ static void assert_each_is_tried_once(int32_t samples)
     rigcal_robust_options options;
     rigcal_robust_solver solver;
     problem p;
-    int32_t before = -1;
+    int32_t before = -1, expected[3];
 
     ASSERT_STATUS(RIGCAL_OK, rigcal_robust_defaults(&options));
     options.samples = samples;
@@ -636,6 +637,8 @@ static void assert_each_is_tried_once(int32_t samples)
         if (solver.tried != before && solver.tried < TRIPLES) {
             const int32_t *const s = solver.sample;
             before = solver.tried;
+            rc_sample_ranked(expected, 10, before * rc_sample_stride(TRIPLES) % TRIPLES);
+            TEST_ASSERT_EQUAL_INT32_ARRAY(expected, s, 3);
             TEST_ASSERT_TRUE(0 <= s[0] && s[0] < s[1] && s[1] < s[2] && s[2] < 10);
             TEST_ASSERT_EQUAL_INT(0, tried[s[0]][s[1]][s[2]]++);
         }
@@ -1124,6 +1127,32 @@ static void test_the_noise_judges_the_pose_too(void)
     }
 }
 
+/* The numbers of the header. */
+static void test_options_have_their_defaults_and_their_ranges(void)
+{
+    test_rng rng = test_seed(28);
+    rigcal_robust_options options;
+    problem p;
+
+    ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_robust_defaults(NULL));
+    FILL(options);
+    ASSERT_STATUS(RIGCAL_OK, rigcal_robust_defaults(&options));
+    ASSERT_NEAR(0, options.threshold_px, 0);
+    ASSERT_NEAR(0, options.sigma_px, 0);
+    TEST_ASSERT_EQUAL_INT32(10000, options.samples);
+    TEST_ASSERT_EQUAL_UINT32(1, options.seed);
+    TEST_ASSERT_EQUAL_INT32(100000, options.max_units);
+    make(&p, &rng, 6, TEST_GENERAL);
+    for (int way = 0; way < 6; way++) {
+        ASSERT_STATUS(RIGCAL_OK, rigcal_robust_defaults(&options));
+        options.samples = way < 3 ? 100000 : way == 3 ? 100001 : way == 4 ? 0 : 1;
+        options.max_units = way == 5 ? 0 : way == 0 ? INT32_MAX : 1;
+        const rigcal_status status = solve(&p, &options);
+        TEST_ASSERT_EQUAL_INT(way > 2, status == RIGCAL_ERR_RANGE);
+        TEST_ASSERT_TRUE(way > 0 || status >= 0);
+    }
+}
+
 static void test_a_solver_that_was_not_begun_is_refused(void)
 {
     rigcal_robust_solver solver;
@@ -1174,6 +1203,105 @@ static void test_a_search_may_end_at_any_unit(void)
     TEST_ASSERT_TRUE(right > 20);
 }
 
+/* A unit of the search is the ray of one point, or those of all three points of a pinhole;
+ * then a pose is scored. */
+static void test_a_unit_is_one_ray_or_those_of_a_pinhole(void)
+{
+    for (int with_lens = 0; with_lens < 2; with_lens++) {
+        test_rng rng = test_seed(29);
+        rigcal_robust_solver solver;
+        problem p;
+
+        make(&p, &rng, 8, TEST_GENERAL);
+        p.camera.k1 = RC(with_lens ? -0.01 : 0);
+        ASSERT_STATUS(RIGCAL_OK, rigcal_robust_begin(&solver, p.inliers, NULL,
+                                                     &VIEW(&p.camera, p.o, NULL, 8), NULL));
+        for (int unit = 1; unit < (with_lens ? 3 : 1); unit++) {
+            ASSERT_STATUS(RIGCAL_RUNNING, rigcal_robust_step(&solver, 1));
+            TEST_ASSERT_EQUAL_INT32(unit, solver.next);
+            TEST_ASSERT_EQUAL_INT32(0, solver.n_poses);
+        }
+        ASSERT_STATUS(RIGCAL_RUNNING, rigcal_robust_step(&solver, 1));
+        TEST_ASSERT_EQUAL_INT32(0, solver.next);
+        TEST_ASSERT_TRUE(solver.n_poses > 0);
+    }
+}
+
+/* The most units, one after the other, that a search spends on one pose that it scored. */
+static int most_units_of_a_pose(problem *p)
+{
+    rigcal_robust_solver solver;
+    int most = 0, units = 0;
+    int32_t tried = -1, next = -1;
+
+    ASSERT_STATUS(RIGCAL_OK,
+                  rigcal_robust_begin(&solver, p->inliers, NULL,
+                                      &VIEW(&p->camera, p->o, NULL, (size_t)p->n), NULL));
+    while (rigcal_robust_step(&solver, 1) == RIGCAL_RUNNING &&
+           solver.tried < solver.wanted) {
+        units = solver.tried == tried && solver.next == next ? units + 1 : 0;
+        tried = solver.tried;
+        next = solver.next;
+        most = units > most ? units : most;
+    }
+    return most;
+}
+
+/* A good pose takes at most 20 units, and some take that many: four times the choice of
+ * points, three evaluations, and the score. A pose with which four points agree is not
+ * improved, one with five is. */
+static void test_a_good_pose_takes_up_to_20_units(void)
+{
+    int most = 0;
+
+    for (int trial = 0; trial < TEST_TRIALS(100); trial++) {
+        test_rng rng = test_seed(3000 + (uint64_t)trial);
+        problem p;
+
+        make(&p, &rng, 20, TEST_GENERAL);
+        for (int i = 0; i < 40; i++) {
+            p.o[i / 2].uv[i % 2] += RC(1.5 * test_normal(&rng));
+        }
+        const int units = most_units_of_a_pose(&p);
+        most = units > most ? units : most;
+        for (int agree = 4; agree <= 5; agree++) {
+            make(&p, &rng, 6, TEST_GENERAL);
+            test_observations(p.o, &p.scene, &p.camera);
+            for (int i = agree; i < 6; i++) {
+                p.o[i].uv[0] += RC(400 + 200 * (i - agree));
+                p.o[i].uv[1] -= RC(300 * (i - agree));
+            }
+            TEST_ASSERT_EQUAL_INT(agree == 5, most_units_of_a_pose(&p) > 1);
+        }
+    }
+    TEST_ASSERT_LESS_OR_EQUAL_INT(20, most);
+    TEST_ASSERT_TRUE(TEST_ONE_IN > 1 || most == 20);
+}
+
+/* A search that must end while it improves its first pose returns that pose. */
+static void test_a_pose_that_is_being_improved_counts(void)
+{
+    test_rng rng = test_seed(30);
+    rigcal_robust_options options;
+    rigcal_robust_solver solver;
+    problem p;
+    int32_t units = 0;
+
+    ASSERT_STATUS(RIGCAL_OK, rigcal_robust_defaults(&options));
+    make(&p, &rng, 20, TEST_GENERAL);
+    const rigcal_view view = VIEW(&p.camera, p.o, NULL, 20);
+    ASSERT_STATUS(RIGCAL_OK, rigcal_robust_begin(&solver, p.inliers, NULL, &view, NULL));
+    for (; counted(&p) == 0; units++) { /* until points are chosen for it */
+        ASSERT_STATUS(RIGCAL_RUNNING, rigcal_robust_step(&solver, 1));
+    }
+    for (options.max_units = units; options.max_units < units + 6; options.max_units++) {
+        TEST_ASSERT_TRUE(solve(&p, &options) >= 0);
+        TEST_ASSERT_TRUE(is_right(&p));
+    }
+    options.max_units = 1; /* before any pose was scored */
+    ASSERT_STATUS(RIGCAL_ERR_NO_CONSENSUS, solve(&p, &options));
+}
+
 TEST_MAIN()
 {
     RUN_TEST(test_three_in_ten_may_be_wrong);
@@ -1205,10 +1333,14 @@ TEST_MAIN()
     RUN_TEST(test_what_agrees_may_have_no_pose);
     RUN_TEST(test_points_on_a_line_are_refused);
     RUN_TEST(test_options_out_of_range_are_refused);
+    RUN_TEST(test_options_have_their_defaults_and_their_ranges);
     RUN_TEST(test_a_solver_that_was_not_begun_is_refused);
     RUN_TEST(test_four_points_or_room_for_no_pose_are_refused);
     RUN_TEST(test_what_was_in_the_marks_does_not_matter);
     RUN_TEST(test_the_noise_judges_the_pose_too);
     RUN_TEST(test_seed_0_is_a_seed);
     RUN_TEST(test_a_search_may_end_at_any_unit);
+    RUN_TEST(test_a_unit_is_one_ray_or_those_of_a_pinhole);
+    RUN_TEST(test_a_good_pose_takes_up_to_20_units);
+    RUN_TEST(test_a_pose_that_is_being_improved_counts);
 }

@@ -153,6 +153,22 @@ static void test_random_triples_are_those_of_the_generator(void)
     }
 }
 
+/* Of many points too, whose number needs the generator's lowest bits. */
+static void test_all_bits_of_the_generator_count(void)
+{
+    const size_t n = RC_COUNT_MAX < 0xffffffffu ? RC_COUNT_MAX : 0xffffffffu;
+    uint32_t random = 1, own = 1;
+
+    for (int draw = 0; draw < TEST_TRIALS(1000); draw++) {
+        int32_t sample[3] = {0, 0, 0};
+        const uint32_t before = random;
+
+        rc_sample_random(sample, &random, n);
+        own = before;
+        TEST_ASSERT_EQUAL_UINT32(own_draw(&own, n), (uint32_t)sample[0]);
+    }
+}
+
 /* Chi squared of how often each of 50 points is drawn in 30 000 triples, at each of the
  * three places and in all. It has 49 degrees of freedom: 5 deviations of it are 50. */
 static void test_random_points_are_as_frequent_as_by_chance(void)
@@ -230,6 +246,7 @@ TEST_MAIN()
     RUN_TEST(test_ranked_triples_are_in_order);
     RUN_TEST(test_a_stride_is_the_golden_section);
     RUN_TEST(test_random_triples_are_those_of_the_generator);
+    RUN_TEST(test_all_bits_of_the_generator_count);
     RUN_TEST(test_random_points_are_as_frequent_as_by_chance);
     RUN_TEST(test_every_triple_has_its_number);
     RUN_TEST(test_a_stride_is_the_first_that_reaches_all);

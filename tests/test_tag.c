@@ -288,6 +288,70 @@ static void test_of_poses_from_both_sides_those_from_the_front_are_kept(void)
     TEST_ASSERT_TRUE(TEST_ONE_IN > 1 || both > 10);
 }
 
+/* The likelihood of the best pose from the front, over that of the best of all. *apart gets
+ * the difference of their sums of squares. */
+static double front_of(double *apart, const sight *s, const rigcal_pose_options *options)
+{
+    rigcal_pose all[RIGCAL_POSES_MAX];
+    rigcal_observation o[4];
+    size_t n = 0;
+    double likely = 0;
+
+    for (int i = 0; i < 4; i++) {
+        o[i].X_w[0] = RC(CORNER[i][0]);
+        o[i].X_w[1] = RC(CORNER[i][1]);
+        o[i].X_w[2] = 0;
+        o[i].uv[0] = s->uv[2 * i];
+        o[i].uv[1] = s->uv[2 * i + 1];
+    }
+    (void)rigcal_pose_solve(all, RIGCAL_POSES_MAX, &n, NULL, &VIEW(&s->camera, o, NULL, 4),
+                            options);
+    for (size_t i = n; i > 0; i--) {
+        if (side_of(&all[i - 1].cam_from_world) < 0) {
+            likely = D(all[i - 1].probability) / D(all[0].probability);
+            *apart = D(all[i - 1].sse) - D(all[0].sse);
+        }
+    }
+    return likely;
+}
+
+/* Corners that are mostly noise, for which a pose from behind fits best. The noise that is
+ * stated decides how likely a pose from the front is: a bit more or less than a thousandth
+ * of the best. Then it is kept, or not. */
+static void test_a_front_that_is_a_thousandth_as_likely_is_kept(void)
+{
+    test_rng rng = test_seed(11);
+    rigcal_pose_options options;
+    int count[2] = {0, 0};
+
+    TEST_ON_HOST_ONLY("few of many corners have both poses");
+    (void)rigcal_pose_defaults(&options);
+    for (int trial = 0; trial < 12000; trial++) {
+        rigcal_pose front[RIGCAL_POSES_MAX];
+        double apart = 0;
+        size_t n;
+        sight s;
+
+        s.camera = test_pinhole();
+        s.size = 1;
+        for (int i = 0; i < 4; i++) {
+            s.uv[2 * i] = RC(320 + test_uniform(&rng, -4, 4));
+            s.uv[2 * i + 1] = RC(240 + test_uniform(&rng, -0.2, 0.2));
+        }
+        options.sigma_px = 1;
+        const double first = front_of(&apart, &s, &options);
+        for (int side = 0; side < 2 && first > 0 && apart > 1e-3; side++) {
+            options.sigma_px = RC(sqrt(apart / (2 * log(1 / (side ? 1.5e-3 : 0.7e-3)))));
+            const double likely = front_of(&apart, &s, &options);
+            count[side] += likely > 5e-4 && likely < 2e-3;
+            TEST_ASSERT_EQUAL_INT(likely > 0 && likely <= 1e-3,
+                                  likely > 0 && solve(front, &n, &s, &options) ==
+                                                    RIGCAL_ERR_MIRRORED);
+        }
+    }
+    TEST_ASSERT_TRUE(count[0] > 2 && count[1] > 2);
+}
+
 /* The plane of the tag goes through the camera: it shows neither side, and noise alone
  * would name one. */
 static void test_a_tag_seen_edge_on_has_no_front(void)
@@ -397,6 +461,7 @@ TEST_MAIN()
     RUN_TEST(test_what_is_no_tag_is_refused_by_name);
     RUN_TEST(test_the_side_is_that_of_the_line_of_sight);
     RUN_TEST(test_of_poses_from_both_sides_those_from_the_front_are_kept);
+    RUN_TEST(test_a_front_that_is_a_thousandth_as_likely_is_kept);
     RUN_TEST(test_a_tag_seen_edge_on_has_no_front);
     RUN_TEST(test_the_unit_of_length_does_not_matter);
     RUN_TEST(test_arguments_are_checked);

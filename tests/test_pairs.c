@@ -311,10 +311,10 @@ static void assert_choice_refused(rigcal_status status, const rigcal_bearing s[]
     ASSERT_UNTOUCHED(n_pairs);
 }
 
-/* Which pairs are chosen, stated once more. Few points: all pairs, of distant indices first.
- * Many: the points in the order of a generator of period 2^k (Numerical Recipes' numbers);
- * round r pairs each with the one r places later; at most 8 rounds. Only pairs whose rays
- * are apart by a sixth of the image count. */
+/* Which pairs are chosen, stated once more. Few points: all pairs, of distant indices
+ * first. Many: the points in the order of a generator of period 2^k; round r pairs each
+ * with the one r places later; at most 8 rounds. Only pairs whose rays are apart by a sixth
+ * of the image count. */
 typedef struct {
     int i[PAIRS_MAX], j[PAIRS_MAX], n, capacity;
     const rigcal_bearing *s;

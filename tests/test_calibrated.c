@@ -370,6 +370,54 @@ static void test_a_rig_of_too_many_cameras_is_not_taken(void)
     free(roles);
 }
 
+/* The unknowns of a camera begin after those of the cameras before it that are not held,
+ * whichever are. */
+static void test_unknowns_begin_after_those_of_free_cameras(void)
+{
+    for (int roles = 0; roles < 1 << N; roles++) {
+        int before = 0;
+
+        clear();
+        kept.n_cameras = N;
+        for (int c = 0; c < N; c++) {
+            held[c] = (uint8_t)(roles >> c & 1);
+        }
+        for (int c = 0; c < N; c++) {
+            const rigcal_real first = rc_calibrated_first(&kept, (size_t)c);
+            if (held[c]) {
+                TEST_ASSERT_TRUE(first < 0);
+            } else {
+                ASSERT_NEAR(before, first, 0);
+                before += 6;
+            }
+        }
+    }
+}
+
+/* One camera is a rig, held or free. */
+static void test_one_camera_is_enough(void)
+{
+    rigcal_real block[36];
+    size_t n_free;
+
+    WANTS_RIG;
+    make_adjusted();
+    take(1);
+    kept.n_cameras = 1;
+    ASSERT_STATUS(RIGCAL_OK, rc_calibrated_check(&n_free, &kept));
+    TEST_ASSERT_EQUAL(0, n_free);
+    held[0] = 0;
+    ASSERT_STATUS(RIGCAL_OK, rc_calibrated_check(&n_free, &kept));
+    TEST_ASSERT_EQUAL(1, n_free);
+    ASSERT_STATUS(RIGCAL_OK, rigcal_calibrated_covariance(block, &kept, 0, 0));
+    for (size_t k = 0; k < 36; k++) {
+        const size_t row = k / 6, column = k % 6;
+        ASSERT_NEAR(
+            D(Sigma[row > column ? rc_packed_at(row, column) : rc_packed_at(column, row)]),
+            block[k], 0);
+    }
+}
+
 static void test_a_pair_of_poses_that_are_none_is_refused(void)
 {
     rigcal_transform pair;
@@ -412,6 +460,8 @@ TEST_MAIN()
     RUN_TEST(test_a_rig_that_is_not_valid_is_not_asked);
     RUN_TEST(test_too_many_free_cameras_are_refused);
     RUN_TEST(test_a_rig_of_too_many_cameras_is_not_taken);
+    RUN_TEST(test_unknowns_begin_after_those_of_free_cameras);
+    RUN_TEST(test_one_camera_is_enough);
     RUN_TEST(test_a_pair_of_poses_that_are_none_is_refused);
     RUN_TEST(test_the_size_is_that_of_a_triangle);
 }

@@ -182,8 +182,8 @@ static void test_numbers_are_those_of_the_fits(void)
     TEST_ASSERT_TRUE(n_certain > 0); /* the bound is 1 where it would be more */
 }
 
-/* Errors of all sizes: the limits of both verdicts have scenes on both their sides, within a
- * factor of two. */
+/* Errors of all sizes: the limits of both verdicts have scenes on both their sides, within
+ * a factor of two. */
 static void test_verdicts_are_those_of_chance_and_probability(void)
 {
     const rigcal_pose_options known = stated(NOISE);

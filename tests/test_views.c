@@ -210,6 +210,94 @@ static void test_memory_to_work_in_is_as_told(void)
     ASSERT_STATUS(RIGCAL_OK, rigcal_rig_covariance(Sigma, &r.rig, RC(0.2), 1));
 }
 
+/* After a rig is forgotten nothing is asked of it, though its numbers are still there. */
+static void test_a_rig_that_is_forgotten_is_not_adjusted(void)
+{
+    rigcal_real Sigma[36];
+    rigcal_rig_fit fit;
+    rc_rig_parts parts;
+
+    WANTS_RIG;
+    make(3, 2);
+    ASSERT_STATUS(RIGCAL_OK, rigcal_rig_adjust(&fit, NULL, &r.rig));
+    TEST_ASSERT_TRUE(rc_rig_is_adjusted(&parts, &r.rig));
+    rc_rig_forget(&r.rig);
+    TEST_ASSERT_FALSE(rc_rig_is_adjusted(&parts, &r.rig));
+    ASSERT_STATUS(RIGCAL_ERR_STATE, rigcal_rig_covariance(Sigma, &r.rig, RC(0.2), 1));
+}
+
+/* What is counted is refused beyond 2^28, each count by itself, before anything is read. */
+static void test_each_count_has_its_most(void)
+{
+    const size_t most = RC_COUNT_MAX;
+
+    WANTS_RIG;
+    if (most + 1 < most) {
+        TEST_IGNORE_MESSAGE("this size_t counts no more");
+    }
+    make(2, 3);
+    for (int which = 0; which < 3; which++) {
+        size_t *const n = which == 0   ? &r.rig.n_cameras
+                          : which == 1 ? &r.rig.n_placements
+                                       : &r.rig.n_views;
+        const size_t kept = *n;
+
+        *n = most;
+        ASSERT_STATUS(RIGCAL_OK, rc_rig_check(&r.rig));
+        *n = most + 1;
+        ASSERT_STATUS(RIGCAL_ERR_RANGE, rc_rig_check(&r.rig));
+        *n = 0;
+        ASSERT_STATUS(which == 1 ? RIGCAL_OK : RIGCAL_ERR_TOO_FEW, rc_rig_check(&r.rig));
+        *n = kept;
+    }
+}
+
+/* The information of two views one after the other is that of springs in a row. */
+static void test_the_information_of_both_is_half_the_harmonic_mean(void)
+{
+    static const double A[5] = {1, 2, 1e-20, 1e20, 3};
+    static const double B[5] = {1, 6, 1e20, 1e20, 0};
+    static const double BOTH[5] = {0.5, 1.5, 1e-20, 5e19, 0};
+
+    for (int k = 0; k < 5; k++) {
+        ASSERT_NEAR(BOTH[k], rc_information_of_both(RC(A[k]), RC(B[k])),
+                    TOL(1e-15, 1e-6) * BOTH[k]);
+        ASSERT_NEAR(BOTH[k], rc_information_of_both(RC(B[k]), RC(A[k])),
+                    TOL(1e-15, 1e-6) * BOTH[k]);
+    }
+    ASSERT_NEAR(0, rc_information_of_both(-1, 2), 0);
+}
+
+/* Each number of a pose, and what no pose can have. */
+static void test_a_pose_of_a_view_is_checked_to_its_last_number(void)
+{
+    rigcal_view_pose pose;
+
+    WANTS_RIG;
+    make(2, 3);
+    ASSERT_STATUS(RIGCAL_OK, rc_check_pose(&r.own[0]));
+    for (int k = 0; k < 21; k++) {
+        pose = r.own[0];
+        pose.information[k] = k % 2 ? TEST_NAN : TEST_INF;
+        ASSERT_STATUS(RIGCAL_ERR_NOT_FINITE, rc_check_pose(&pose));
+    }
+    for (int k = 0; k < 9; k++) {
+        pose = r.own[0];
+        pose.cam_from_target.R[k] += 1;
+        ASSERT_STATUS(RIGCAL_ERR_ROTATION, rc_check_pose(&pose));
+    }
+    pose = r.own[0];
+    pose.sse = TEST_NAN;
+    ASSERT_STATUS(RIGCAL_ERR_NOT_FINITE, rc_check_pose(&pose));
+    pose.sse = RC(-1e-9);
+    ASSERT_STATUS(RIGCAL_ERR_RANGE, rc_check_pose(&pose));
+    pose.sse = 0;
+    ASSERT_STATUS(RIGCAL_OK, rc_check_pose(&pose));
+    memset(pose.information, 0, sizeof pose.information);
+    ASSERT_STATUS(RIGCAL_ERR_DEGENERATE, rc_check_pose(&pose));
+    ASSERT_NEAR(0, rc_view_information(&pose), 0);
+}
+
 /* In an adjustment the points of a view may be far from the origin compared with their
  * size, even if no pose can be found from them. */
 static void test_a_target_may_be_far_from_its_origin(void)
@@ -519,6 +607,10 @@ TEST_MAIN()
     RUN_TEST(test_roles_and_what_priors_want);
     RUN_TEST(test_views_are_in_order_and_no_camera_twice_in_a_placement);
     RUN_TEST(test_memory_to_work_in_is_as_told);
+    RUN_TEST(test_a_rig_that_is_forgotten_is_not_adjusted);
+    RUN_TEST(test_each_count_has_its_most);
+    RUN_TEST(test_the_information_of_both_is_half_the_harmonic_mean);
+    RUN_TEST(test_a_pose_of_a_view_is_checked_to_its_last_number);
     RUN_TEST(test_a_target_may_be_far_from_its_origin);
     RUN_TEST(test_a_view_that_is_bad_is_named);
     RUN_TEST(test_cameras_are_grouped_by_what_they_share);

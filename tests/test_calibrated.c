@@ -394,6 +394,27 @@ static void test_unknowns_begin_after_those_of_free_cameras(void)
     }
 }
 
+static void test_a_rig_of_one_camera_can_be_taken(void)
+{
+    test_rng rng = test_seed(363);
+
+    WANTS_RIG;
+    test_rig_random(&r, &rng, 1, 4, 8);
+    test_rig_see_all(&r, &rng, 0.3);
+    test_rig_solve_views(&r);
+    ASSERT_STATUS(RIGCAL_OK, rigcal_rig_adjust(&fit, NULL, &r.rig));
+    clear();
+    take(0.5);
+    TEST_ASSERT_EQUAL(1, kept.n_cameras);
+    TEST_ASSERT_EQUAL(1, held[0]);
+    TEST_ASSERT_EQUAL(0, group[0]);
+    ASSERT_NEAR(0.5, kept.sigma_px, 0);
+    ASSERT_NEAR(D(fit.F), kept.F, 0);
+    for (size_t k = 0; k < 36; k++) {
+        ASSERT_NEAR(0, cameras[0].Sigma[k], 0);
+    }
+}
+
 /* One camera is a rig, held or free. */
 static void test_one_camera_is_enough(void)
 {
@@ -461,6 +482,7 @@ TEST_MAIN()
     RUN_TEST(test_too_many_free_cameras_are_refused);
     RUN_TEST(test_a_rig_of_too_many_cameras_is_not_taken);
     RUN_TEST(test_unknowns_begin_after_those_of_free_cameras);
+    RUN_TEST(test_a_rig_of_one_camera_can_be_taken);
     RUN_TEST(test_one_camera_is_enough);
     RUN_TEST(test_a_pair_of_poses_that_are_none_is_refused);
     RUN_TEST(test_the_size_is_that_of_a_triangle);

@@ -191,6 +191,50 @@ static void test_a_fisheye_ray_at_90_degrees_has_no_undistorted_pixel(void)
     }
 }
 
+/* Up to that: any ray that is ahead by more than rounding has one, at the tangent. */
+static void test_a_fisheye_ray_below_90_degrees_has_an_undistorted_pixel(void)
+{
+    const rigcal_camera camera = test_lens_camera(&TEST_LENSES[TEST_N_LENSES - 4]);
+    const double eps = TOL(2.220446049250313e-16, 1.1920928955078125e-7);
+    const double angles[] = {0.5, 1.4, 1.5, 1.55, 1.57};
+
+    for (int i = 0; i < 5; i++) {
+        const rigcal_real uv[2] = {RC(599.5 + 300 * angles[i]), RC(599.5)};
+        const double slope = 300 * tan((D(uv[0]) - 599.5) / 300);
+        rigcal_real straight[2];
+
+        ASSERT_STATUS(RIGCAL_OK, rigcal_camera_undistort(straight, &camera, uv));
+        ASSERT_NEAR(599.5 + slope, straight[0], TOL(1e-10, 2e-2) * slope);
+        ASSERT_NEAR(599.5, straight[1], TOL(1e-10, 1e-3));
+    }
+    for (int k = -40; k <= 40; k++) { /* as near to a right angle as numbers are */
+        const rigcal_real uv[2] = {RC(599.5 + 150 * TEST_PI + k * eps * 150), RC(599.5)};
+        rigcal_real straight[2], ray[3];
+
+        ASSERT_STATUS(RIGCAL_OK, rigcal_camera_ray(ray, &camera, uv));
+        const rigcal_status status = rigcal_camera_undistort(straight, &camera, uv);
+        ASSERT_STATUS(D(ray[2]) > eps ? RIGCAL_OK : RIGCAL_ERR_WIDE_RAY, status);
+    }
+}
+
+/* A focal length of a millionth of a pixel is the least, in either direction. */
+static void test_the_least_focal_length(void)
+{
+    for (int way = 0; way < 2; way++) {
+        rigcal_camera camera = test_pinhole();
+        rigcal_real *const f = way ? &camera.fy : &camera.fx;
+
+        *f = RC(1e-6);
+        ASSERT_STATUS(RIGCAL_OK, rigcal_camera_check(&camera));
+        *f = RC(0.999e-6);
+        ASSERT_STATUS(RIGCAL_ERR_CAMERA, rigcal_camera_check(&camera));
+        *f = RC(1e9);
+        ASSERT_STATUS(RIGCAL_OK, rigcal_camera_check(&camera));
+        *f = RC(1.001e9);
+        ASSERT_STATUS(RIGCAL_ERR_CAMERA, rigcal_camera_check(&camera));
+    }
+}
+
 static void test_pixels_without_a_ray_are_not_undistorted_either(void)
 {
     /* 1 - 3 * 0.4 r^2 = 0 at r = 0.91287, imaged 304.3 pixels off. */
@@ -552,6 +596,8 @@ TEST_MAIN()
     RUN_TEST(test_the_principal_point_is_the_image_of_the_axis);
     RUN_TEST(test_undistorted_pixels_are_those_of_the_pinhole_and_go_back);
     RUN_TEST(test_a_fisheye_ray_at_90_degrees_has_no_undistorted_pixel);
+    RUN_TEST(test_a_fisheye_ray_below_90_degrees_has_an_undistorted_pixel);
+    RUN_TEST(test_the_least_focal_length);
     RUN_TEST(test_pixels_without_a_ray_are_not_undistorted_either);
     RUN_TEST(test_what_is_not_in_front_is_not_imaged);
     RUN_TEST(test_no_lens_images_what_is_not_in_front);

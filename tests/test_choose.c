@@ -130,6 +130,22 @@ static void test_a_lever_makes_a_turn_a_shift(void)
     }
 }
 
+/* All of a covariance that is held as its blocks by w, across and by dt. */
+static void unpacked(double out[36], const rigcal_real packed[21])
+{
+    static const int AT[9] = {0, 1, 2, 1, 3, 4, 2, 4, 5};
+
+    for (int i = 0; i < 6; i++) {
+        for (int j = 0; j < 6; j++) {
+            const int at = i % 3 * 3 + j % 3;
+            out[6 * i + j] = D(i < 3 && j < 3     ? packed[AT[at]]
+                               : i >= 3 && j >= 3 ? packed[15 + AT[at]]
+                               : i < 3            ? packed[6 + at]
+                                                  : packed[6 + j % 3 * 3 + i % 3]);
+        }
+    }
+}
+
 /* With covariance 0 the pose of a camera counts as exact. */
 static void test_a_placement_from_a_view(void)
 {
@@ -160,6 +176,68 @@ static void test_a_placement_from_a_view(void)
         ASSERT_NEAR(D(view.Sigma[15] + view.Sigma[18] + view.Sigma[20]),
                     placed.Sigma[15] + placed.Sigma[18] + placed.Sigma[20],
                     TOL(1e-12, 1e-6));
+    }
+}
+
+/* The covariance of a placement by a view and a camera that is known with an error too: with
+ * l = R (pivot - t), a turn w of the camera moves the target by l x w in its frame. The sum
+ * is then turned into the rig's frame. All by matrices of 6 x 6. */
+static void test_a_placement_has_the_errors_of_view_and_camera(void)
+{
+    test_rng rng = test_seed(512);
+
+    for (int trial = 0; trial < TEST_TRIALS(40); trial++) {
+        const rigcal_view_pose pose = golden(trial % 3, trial % 2 * 2, 0);
+        double J[36] = {0}, B[36] = {0}, S[36], V[36], sum[36] = {0}, placed_S[36];
+        double R[9], t[3], R_p[9], t_p[3], l[3], arm[3];
+        rc_claim view, camera, placed, of_camera;
+
+        TEST_ASSERT_TRUE(rc_claim_of_view(&view, &pose, 0, 7, 1));
+        TEST_ASSERT_TRUE(rc_claim_of_view(&of_camera, &pose, 0, 7, 1));
+        camera = of_camera;
+        camera.b_from_a = test_random_transform(&rng);
+        for (int k = 0; k < 3; k++) {
+            camera.pivot[k] = RC(test_uniform(&rng, -2, 2));
+        }
+        rc_claim_place(&placed, &view, &camera, 1);
+        test_transform_parts(R, t, &camera.b_from_a);
+        test_transform_parts(R_p, t_p, &placed.b_from_a);
+        for (int k = 0; k < 3; k++) {
+            arm[k] = D(camera.pivot[k]) - t_p[k];
+        }
+        test_apply(l, R, arm, NULL);
+        unpacked(S, camera.Sigma);
+        unpacked(V, view.Sigma);
+        for (int k = 0; k < 6; k++) {
+            J[7 * k] = 1;
+            for (int j = 0; j < 3; j++) {
+                B[6 * k + 3 * (k / 3) + j] = R[3 * (k % 3) + j];
+            }
+        }
+        J[19] = -l[2]; /* [l]x in rows 3 to 5 */
+        J[20] = l[1];
+        J[24] = l[2];
+        J[26] = -l[0];
+        J[30] = -l[1];
+        J[31] = l[0];
+        for (int k = 0; k < 36; k++) {
+            for (int m = 0; m < 36; m++) {
+                sum[k] += J[k / 6 * 6 + m / 6] * S[m] * J[k % 6 * 6 + m % 6];
+            }
+            sum[k] += V[k];
+        }
+        unpacked(placed_S, placed.Sigma);
+        for (int k = 0; k < 36; k++) {
+            double exact = 0, size = 0;
+
+            for (int m = 0; m < 36; m++) {
+                exact += B[m / 6 * 6 + k / 6] * sum[m] * B[m % 6 * 6 + k % 6];
+                size = fmax(size, fabs(sum[m]));
+            }
+            ASSERT_NEAR(exact, RC(placed_S[k]), TOL(1e-11, 1e-4) * size);
+        }
+        rc_claim_of_view(&view, &pose, pose.sse + 1, 7, 1); /* it fits better: no extra */
+        ASSERT_NEAR(0, view.extra, 0);
     }
 }
 
@@ -333,6 +411,7 @@ TEST_MAIN()
     RUN_TEST(test_distance_of_independent_errors);
     RUN_TEST(test_a_lever_makes_a_turn_a_shift);
     RUN_TEST(test_a_placement_from_a_view);
+    RUN_TEST(test_a_placement_has_the_errors_of_view_and_camera);
     RUN_TEST(test_the_others_choose);
     RUN_TEST(test_a_claim_takes_its_own_pose);
     RUN_TEST(test_two_views_cost_what_both_do);

@@ -461,6 +461,40 @@ static void test_the_pairs_are_those_of_the_rule(void)
     }
 }
 
+static void six_bearings(rigcal_bearing s[6], uint64_t seed, test_shape shape)
+{
+    test_rng rng = test_seed(seed);
+    test_scene scene;
+
+    test_scene_random(&scene, &rng, 6, shape);
+    test_bearings(s, &scene);
+}
+
+/* Also where every coordinate is tiny. */
+static void test_a_tiny_target_is_paired_as_a_large_one(void)
+{
+    rigcal_bearing s[6];
+    rigcal_pair pairs[15], tiny[15];
+    size_t n_pairs, n_tiny;
+
+    six_bearings(s, 52, TEST_GENERAL);
+    ASSERT_STATUS(RIGCAL_OK, rigcal_pairs_choose(pairs, 15, &n_pairs, s, 6));
+    for (int i = 0; i < 6; i++) {
+        for (int k = 0; k < 3; k++) { /* by a power of two: the same digits */
+            s[i].X_w[k] *= RC(TOL(ldexp(1, -80), ldexp(1, -40)));
+        }
+    }
+    ASSERT_STATUS(RIGCAL_OK, rigcal_pairs_choose(tiny, 15, &n_tiny, s, 6));
+    TEST_ASSERT_EQUAL(n_pairs, n_tiny);
+    for (size_t k = 0; k < n_pairs; k++) {
+        TEST_ASSERT_EQUAL_INT32(pairs[k].i, tiny[k].i);
+        TEST_ASSERT_EQUAL_INT32(pairs[k].j, tiny[k].j);
+        for (int c = 0; c < 3; c++) {
+            ASSERT_NEAR(D(pairs[k].offset[c]), tiny[k].offset[c], 0);
+        }
+    }
+}
+
 /* The first pair is wrong, so no other is read. */
 static void test_there_are_at_most_four_pairs_of_2_to_the_28_points(void)
 {
@@ -701,15 +735,6 @@ static void test_a_target_far_from_its_origin_is_paired_while_digits_last(void)
                    rigcal_pairs_choose(pairs, 15, &n_pairs, s, 6));
 }
 
-static void six_bearings(rigcal_bearing s[6], uint64_t seed, test_shape shape)
-{
-    test_rng rng = test_seed(seed);
-    test_scene scene;
-
-    test_scene_random(&scene, &rng, 6, shape);
-    test_bearings(s, &scene);
-}
-
 static void test_fewer_than_three_distinct_points_or_rays_are_refused(void)
 {
     rigcal_bearing good[6], s[6];
@@ -922,6 +947,7 @@ TEST_MAIN()
     RUN_TEST(test_arguments_of_the_choice_are_checked);
     RUN_TEST(test_a_point_seen_twice_is_not_paired_with_itself);
     RUN_TEST(test_the_pairs_are_those_of_the_rule);
+    RUN_TEST(test_a_tiny_target_is_paired_as_a_large_one);
     RUN_TEST(test_there_are_at_most_four_pairs_of_2_to_the_28_points);
     RUN_TEST(test_vectors_of_pairs_are_units);
     RUN_TEST(test_points_are_the_same_up_to_eight_roundings);

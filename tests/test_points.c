@@ -458,6 +458,23 @@ static void test_a_point_behind_is_as_far_off_as_can_be(void)
     }
 }
 
+/* Beside the camera and hardly in front: the square of the distance overflows. */
+static void test_a_distance_that_overflows_is_the_most(void)
+{
+    const double t[3] = {0, 0, TOL(1e-170, 1e-20)};
+    const rigcal_transform pose = test_transform(NULL, t);
+    test_rng rng = test_seed(84);
+    problem p;
+    random_problem(&p, &rng);
+    ASSERT_STATUS(RIGCAL_OK, survey(&p, 1, NULL));
+    rc_clear(p.points.origin, 3);
+    for (int i = 0; i < N; i++) {
+        p.o[i].X_w[0] = 1;
+        p.o[i].X_w[2] = 0;
+        ASSERT_NEAR(RC_MAX, rc_points_distance2(&p.points, &pose, (size_t)i), 0);
+    }
+}
+
 /* ---- on a line ------------------------------------------------------------------- */
 
 static void test_points_on_any_line_are_told_from_those_beside_it(void)
@@ -535,6 +552,7 @@ TEST_MAIN()
     RUN_TEST(test_the_limits_of_size_and_digits_are_met_exactly);
     RUN_TEST(test_a_point_and_its_error_are_those_of_the_pose);
     RUN_TEST(test_a_point_behind_is_as_far_off_as_can_be);
+    RUN_TEST(test_a_distance_that_overflows_is_the_most);
     RUN_TEST(test_points_on_any_line_are_told_from_those_beside_it);
     RUN_TEST(test_as_many_as_can_be_counted_are_read);
     RUN_TEST(test_the_disc_that_is_proved_holds_every_pixel);

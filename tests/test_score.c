@@ -147,6 +147,10 @@ static void test_the_best_hypothesis_is_that_of_all_comparisons(void)
                         (cost < limit) - fmin(cost / limit, 1) / (RC_SCORE_PLACEMENTS + 1);
                 }
             }
+            for (int k = 0; k < RUNGS && it.view < 0; k++) { /* below all others */
+                TEST_ASSERT_TRUE(D(parts.scores[RUNGS * h + (size_t)k]) <
+                                 -RC_SCORE_PLACEMENTS);
+            }
             for (int k = 0; k < RUNGS && it.view >= 0; k++) {
                 TEST_ASSERT_EQUAL(agree[k], rc_score_agree(RC(score[k])));
                 if ((int32_t)(4 * own + h % 4) == seen_number[k]) {

@@ -210,6 +210,41 @@ static void test_memory_to_work_in_is_as_told(void)
     ASSERT_STATUS(RIGCAL_OK, rigcal_rig_covariance(Sigma, &r.rig, RC(0.2), 1));
 }
 
+/* If a camera of a group is held or has a prior, none is held for the group, whichever
+ * camera that is; else the first one is. */
+static void test_the_first_camera_is_held_if_no_other_is_fixed(void)
+{
+    rigcal_rig_fit fit;
+    rc_rig_parts parts;
+
+    WANTS_RIG;
+    for (int fixed = -1; fixed < 3; fixed++) {
+        for (int how = RIGCAL_CAMERA_HELD; how <= RIGCAL_CAMERA_PRIOR; how++) {
+            int next = 0;
+
+            make(3, 3);
+            r.rig.roles = r.roles;
+            r.rig.priors = r.priors;
+            r.rig.sigma_px = RC(0.2);
+            for (int c = 0; c < 3; c++) {
+                r.roles[c] = (uint8_t)(c == fixed ? how : RIGCAL_CAMERA_FREE);
+                r.priors[c].cam_from_rig = r.true_cams[c];
+                for (int k = 0; k < 6; k++) {
+                    r.priors[c].Sigma[7 * k] = RC(1e-4);
+                }
+            }
+            ASSERT_STATUS(RIGCAL_OK, rigcal_rig_adjust(&fit, NULL, &r.rig));
+            rc_rig_parts_of(&parts, &r.rig, 0);
+            for (int c = 0; c < 3; c++) {
+                const int is_held =
+                    c == fixed ? how == RIGCAL_CAMERA_HELD : fixed < 0 && c == 0;
+                ASSERT_NEAR(is_held ? -1 : next, parts.column[c], 0);
+                next += is_held ? 0 : 6;
+            }
+        }
+    }
+}
+
 /* After a rig is forgotten nothing is asked of it, though its numbers are still there. */
 static void test_a_rig_that_is_forgotten_is_not_adjusted(void)
 {
@@ -605,6 +640,7 @@ TEST_MAIN()
     RUN_TEST(test_a_view_names_a_camera_a_placement_and_a_target_that_are);
     RUN_TEST(test_so_far_there_is_one_target);
     RUN_TEST(test_roles_and_what_priors_want);
+    RUN_TEST(test_the_first_camera_is_held_if_no_other_is_fixed);
     RUN_TEST(test_views_are_in_order_and_no_camera_twice_in_a_placement);
     RUN_TEST(test_memory_to_work_in_is_as_told);
     RUN_TEST(test_a_rig_that_is_forgotten_is_not_adjusted);

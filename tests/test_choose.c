@@ -179,9 +179,9 @@ static void test_a_placement_from_a_view(void)
     }
 }
 
-/* The covariance of a placement by a view and a camera that is known with an error too: with
- * l = R (pivot - t), a turn w of the camera moves the target by l x w in its frame. The sum
- * is then turned into the rig's frame. All by matrices of 6 x 6. */
+/* The covariance of a placement by a view and a camera that is known with an error too:
+ * with l = R (pivot - t), a turn w of the camera moves the target by l x w in its frame.
+ * The sum is then turned into the rig's frame. All by matrices of 6 x 6. */
 static void test_a_placement_has_the_errors_of_view_and_camera(void)
 {
     test_rng rng = test_seed(512);

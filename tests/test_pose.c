@@ -1198,7 +1198,7 @@ static void test_a_point_beyond_the_fold_spoils_a_pose_in_every_unit(void)
 {
     static const double SCALE[3] = {1, 1.0 / 4096, 4096};
 
-    for (int trial = 0; trial < TEST_TRIALS(12); trial++) {
+    for (int trial = 0; trial < TEST_TRIALS(96); trial++) {
         const double scale = SCALE[trial % 3];
         test_rng rng = test_seed(4000 + (uint64_t)(trial / 3));
         rigcal_camera camera = test_pinhole();

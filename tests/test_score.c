@@ -119,6 +119,9 @@ static void test_the_best_hypothesis_is_that_of_all_comparisons(void)
         int steps = 0;
 
         begin(&rng, 0.6);
+        for (size_t v = 0; v < t.rig.n_views; v += 3) { /* some views have one pose only */
+            t.second[v].n = 0;
+        }
         TEST_ASSERT_TRUE(rc_score_begin(&s, &parts));
         for (; status == RIGCAL_RUNNING; steps++) {
             status = rc_score_step(&s, &parts);

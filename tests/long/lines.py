@@ -85,7 +85,7 @@ KINDS = [
     Kind("names", "views of 25 points; no two lines name the same point", rig, ["calibrate"], 3),
     Kind("tags", "views of 4 points", tags, ["calibrate"], 3),
     Kind("tags, one camera", "views of 4 points, each in a placement of its own", tags_of_one, ["calibrate"], 3),
-    Kind("tags, two cameras", "views of 4 points", tags_of_two, ["calibrate"], 3),
+    Kind("tags, two cameras", "views of 4 points", tags_of_two, ["calibrate"], 3, 1),
     Kind("tags, late", "views of 4 points, those of one camera a frame late", tags, ["calibrate"], 3, 1),
     Kind("tags, out of order", "views of 4 points, those of one camera in other frames", tags, ["calibrate"], 3, 1),
     Kind("threes", "views of 3 points", threes, ["calibrate"], 3, 1),

@@ -1066,6 +1066,46 @@ static void test_four_points_or_room_for_no_pose_are_refused(void)
                                          &VIEW(&p.camera, p.o, NULL, 5), NULL) >= 0);
 }
 
+/* Each pointer in turn. That of the observation at fault may be missing, and options too. */
+static void test_each_pointer_must_be_there(void)
+{
+    test_rng rng = test_seed(31);
+    rigcal_robust_solver solver;
+    size_t n_found, n_inliers;
+    uint8_t inliers[8];
+    rigcal_pose pose;
+    problem p;
+
+    make(&p, &rng, 8, TEST_GENERAL);
+    const rigcal_view view = VIEW(&p.camera, p.o, NULL, 8);
+    for (int none = 0; none < 5; none++) {
+        rigcal_pose *const to = none == 0 ? NULL : &pose;
+        size_t *const found = none == 1 ? NULL : &n_found;
+        size_t *const count = none == 2 ? NULL : &n_inliers;
+        uint8_t *const marks = none == 3 ? NULL : inliers;
+        const rigcal_view *const of = none == 4 ? NULL : &view;
+
+        ASSERT_STATUS(RIGCAL_ERR_NULL,
+                      rigcal_robust_solve(to, 1, found, marks, count, NULL, of, NULL));
+        if (none < 3) {
+            ASSERT_STATUS(RIGCAL_OK,
+                          rigcal_robust_begin(&solver, inliers, NULL, &view, NULL));
+            while (rigcal_robust_step(&solver, 1000) == RIGCAL_RUNNING) {
+            }
+            ASSERT_STATUS(RIGCAL_ERR_NULL,
+                          rigcal_robust_result(to, 1, found, count, &solver));
+        } else {
+            ASSERT_STATUS(RIGCAL_ERR_NULL,
+                          rigcal_robust_begin(&solver, marks, NULL, of, NULL));
+        }
+    }
+    ASSERT_STATUS(RIGCAL_ERR_NULL,
+                  rigcal_robust_result(&pose, 1, &n_found, &n_inliers, NULL));
+    ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_robust_begin(NULL, inliers, NULL, &view, NULL));
+    ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_robust_step(NULL, 1));
+    ASSERT_STATUS(RIGCAL_ERR_RANGE, rigcal_robust_step(&solver, 0));
+}
+
 /* Four of five points agree, too few to improve a pose. What is in `inliers` before the
  * search does not matter, not even if it is the result. */
 static void test_what_was_in_the_marks_does_not_matter(void)
@@ -1342,6 +1382,7 @@ TEST_MAIN()
     RUN_TEST(test_options_have_their_defaults_and_their_ranges);
     RUN_TEST(test_a_solver_that_was_not_begun_is_refused);
     RUN_TEST(test_four_points_or_room_for_no_pose_are_refused);
+    RUN_TEST(test_each_pointer_must_be_there);
     RUN_TEST(test_what_was_in_the_marks_does_not_matter);
     RUN_TEST(test_the_noise_judges_the_pose_too);
     RUN_TEST(test_seed_0_is_a_seed);

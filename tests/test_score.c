@@ -79,6 +79,23 @@ static void test_the_list_has_the_placements_that_tell_most(void)
     }
 }
 
+/* Placements that tell the same are listed in their order. */
+static void test_of_equal_placements_the_first_is_listed_first(void)
+{
+    test_rng rng = test_seed(578);
+
+    WANTS_RIG;
+    begin(&rng, 1);
+    for (size_t v = 0; v < t.rig.n_views; v++) {
+        parts.told[v] = 3;
+    }
+    TEST_ASSERT_TRUE(rc_score_begin(&s, &parts));
+    TEST_ASSERT_EQUAL(RC_SCORE_PLACEMENTS, s.n);
+    for (size_t i = 0; i < s.n; i++) {
+        ASSERT_NEAR((double)i, parts.list[i], 0);
+    }
+}
+
 /* The cost of a placement for a hypothesis: the least over its combinations. */
 static double cost_in(const rc_claim *it, size_t own, size_t placement)
 {
@@ -295,6 +312,7 @@ static void test_a_source_that_fails_ends_the_step(void)
 TEST_MAIN()
 {
     RUN_TEST(test_the_list_has_the_placements_that_tell_most);
+    RUN_TEST(test_of_equal_placements_the_first_is_listed_first);
     RUN_TEST(test_the_best_hypothesis_is_that_of_all_comparisons);
     RUN_TEST(test_hypotheses_from_the_rig);
     RUN_TEST(test_how_many_agree_with_a_score);

@@ -397,8 +397,8 @@ static double worth_with_first(const rigcal_pair pairs[], int k, const rigcal_be
  * exchanged, is that of the library, to the order. */
 static void assert_own_choice(const rigcal_bearing s[], int n, int capacity)
 {
-    static rigcal_pair pairs[PAIRS_MAX];
-    static own_list own;
+    rigcal_pair pairs[PAIRS_MAX];
+    own_list own;
     size_t n_pairs;
     int at[2] = {0, 1};
 
@@ -438,6 +438,7 @@ static void test_the_pairs_are_those_of_the_rule(void)
     static const int POINTS[8] = {3, 4, 9, 10, 16, 17, 33, POINTS_MAX};
     test_rng rng = test_seed(51);
 
+    TEST_WANTS_RAM(PAIRS_MAX * (sizeof(rigcal_pair) + 2 * sizeof(int)) + 12000);
     for (int trial = 0; trial < TEST_TRIALS(96); trial++) {
         const int n = POINTS[trial % 8] < POINTS_MAX ? POINTS[trial % 8] : POINTS_MAX;
         test_scene scene;

@@ -274,6 +274,27 @@ static void test_the_logarithm_is_that_of_the_C_library(void)
     ASSERT_NEAR(log(D(RC_EPS) / 2), rc_log1p(RC_EPS / 2 - 1), TOL(1e-12, 1e-5));
 }
 
+/* By logarithms, for every count of 100 points: from small numbers to those that are
+ * clipped at 1e30. */
+static void test_expected_sets_of_every_size(void)
+{
+    int n_large = 0;
+
+    for (int step = 0; step < 4; step++) {
+        const double near = pow(0.25, step);
+        double log_sets = log(100.0 * 99 * 98 / 3);
+
+        for (int count = 4; count <= 100; count++) {
+            log_sets += log(near * (101 - count) / (count - 3));
+            const double exact = fmin(exp(log_sets), 1e30);
+            ASSERT_NEAR(exact, rc_expected_sets(100, (size_t)count, RC(near)),
+                        TOL(1e-10, 1e-4) * exact + 1e-30);
+            n_large += exact > 2e27 && exact < 5e29;
+        }
+    }
+    TEST_ASSERT_TRUE(n_large > 2); /* next to the limit */
+}
+
 TEST_MAIN()
 {
     RUN_TEST(test_a_pose_takes_six_degrees_of_freedom_and_leaves_one_at_least);
@@ -292,4 +313,5 @@ TEST_MAIN()
     RUN_TEST(test_the_tail_of_F_is_that_of_scipy);
     RUN_TEST(test_of_very_many_degrees_of_freedom_the_tail_is_a_chance);
     RUN_TEST(test_the_logarithm_is_that_of_the_C_library);
+    RUN_TEST(test_expected_sets_of_every_size);
 }

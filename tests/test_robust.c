@@ -1066,7 +1066,8 @@ static void test_four_points_or_room_for_no_pose_are_refused(void)
                                          &VIEW(&p.camera, p.o, NULL, 5), NULL) >= 0);
 }
 
-/* Each pointer in turn. That of the observation at fault may be missing, and options too. */
+/* Each pointer in turn. Only that of the observation at fault, and options, may be
+ * missing. */
 static void test_each_pointer_must_be_there(void)
 {
     test_rng rng = test_seed(31);
@@ -1090,6 +1091,8 @@ static void test_each_pointer_must_be_there(void)
         if (none < 3) {
             ASSERT_STATUS(RIGCAL_OK,
                           rigcal_robust_begin(&solver, inliers, NULL, &view, NULL));
+            ASSERT_STATUS(RIGCAL_ERR_NULL, /* before the search is looked at */
+                          rigcal_robust_result(to, 1, found, count, &solver));
             while (rigcal_robust_step(&solver, 1000) == RIGCAL_RUNNING) {
             }
             ASSERT_STATUS(RIGCAL_ERR_NULL,

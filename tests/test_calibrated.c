@@ -288,6 +288,7 @@ static void test_a_rig_that_is_not_valid_is_not_asked(void)
     REFUSES(RIGCAL_ERR_NULL, kept.Sigma = NULL);
     REFUSES(RIGCAL_ERR_TOO_FEW, kept.n_cameras = 0);
     REFUSES(RIGCAL_ERR_RANGE, kept.n_cameras = 65536);
+    REFUSES(RIGCAL_ERR_CAPACITY, kept.n_cameras = 65535);
     REFUSES(RIGCAL_ERR_CAPACITY, kept.n_cameras = N + 1);
     REFUSES(RIGCAL_ERR_RANGE, kept.n_cameras = 2);
     REFUSES(RIGCAL_ERR_RANGE, held[3] = 2);

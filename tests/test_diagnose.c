@@ -846,7 +846,7 @@ static void test_a_point_on_the_wrong_side_is_wrong_or_the_target_is_mirrored(vo
 static void test_of_two_mirrored_readings_the_better_one_counts(void)
 {
     const rigcal_pose_options known = stated(NOISE);
-    int n_decided = 0;
+    int n_decided = 0, n_other = 0;
 
     TEST_ON_HOST_ONLY("it wants many scenes");
     for (int k = 0; k < 200; k++) {
@@ -865,8 +865,9 @@ static void test_of_two_mirrored_readings_the_better_one_counts(void)
             test_project_px(uv, &p.camera, X_c);
             test_to_real(p.o[i].X_w, p.scene.X[i], 3);
             p.o[i].uv[0] = RC(uv[0] + NOISE * test_normal(&rng));
-            p.o[i].uv[1] = RC(479 - uv[1] + NOISE * test_normal(&rng));
+            p.o[i].uv[1] = RC((k % 2 ? uv[1] : 479 - uv[1]) + NOISE * test_normal(&rng));
         }
+        p.o[8].X_w[2] *= RC(k % 2 ? -1 : 1);
         (void)diagnose(&p, &known);
         const rigcal_diagnosis *const d = &p.diagnosis;
         if (d->blame.verdict == RIGCAL_BLAME_SURE && !d->blame.is_rest_poor &&
@@ -875,8 +876,14 @@ static void test_of_two_mirrored_readings_the_better_one_counts(void)
             TEST_ASSERT_EQUAL_INT32(RIGCAL_DIAGNOSIS_MIRRORED, d->verdict);
             n_decided++;
         }
+        if (d->blame.verdict == RIGCAL_BLAME_SURE && !d->blame.is_rest_poor && k % 2 &&
+            d->rms_mirrored_px >= 0 && d->rms_mirrored_px < d->blame.rms_without_px &&
+            (d->rms_flipped_px < 0 || d->rms_flipped_px >= d->blame.rms_without_px)) {
+            TEST_ASSERT_EQUAL_INT32(RIGCAL_DIAGNOSIS_MIRRORED, d->verdict);
+            n_other++;
+        }
     }
-    TEST_ASSERT_TRUE(n_decided > 2);
+    TEST_ASSERT_TRUE(n_decided > 2 && n_other > 2);
 }
 
 /* A previous pose serves only to compare units: with any such pose, also the other pose of

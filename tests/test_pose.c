@@ -1192,6 +1192,42 @@ static void test_garbled_pixels_give_honest_poses_or_none(void)
     }
 }
 
+/* The pointers come first: before what they point to is looked at. */
+static void test_room_for_poses_comes_first(void)
+{
+    const rigcal_camera camera = test_pinhole();
+    const rigcal_observation o[2] = {{{0, 0, 0}, {0, 0}}, {{1, 0, 0}, {9, 0}}};
+    rigcal_pose pose;
+    size_t n_found;
+
+    ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_pose_solve(NULL, 1, &n_found, NULL,
+                                                     &VIEW(&camera, o, NULL, 2), NULL));
+    ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_pose_solve(&pose, 1, NULL, NULL,
+                                                     &VIEW(&camera, o, NULL, 2), NULL));
+    ASSERT_STATUS(RIGCAL_ERR_TOO_FEW, rigcal_pose_solve(&pose, 1, &n_found, NULL,
+                                                        &VIEW(&camera, o, NULL, 2), NULL));
+}
+
+/* Without the point whose pixel has no ray, two are left. */
+static void test_of_three_points_each_needs_a_ray(void)
+{
+    for (int unseen = 0; unseen < 3; unseen++) {
+        rigcal_camera camera = test_pinhole();
+        rigcal_observation o[3] = {
+            {{0, 0, 0}, {320, 240}}, {{1, 0, 0}, {420, 250}}, {{0, 1, 0}, {310, 350}}};
+        rigcal_pose pose;
+        size_t n_found;
+        int32_t at_fault = -2;
+
+        camera.k1 = RC(-0.3);
+        o[unseen].uv[0] = 50000;
+        ASSERT_REFUSED(RIGCAL_ERR_NO_RAY, pose,
+                       rigcal_pose_solve(&pose, 1, &n_found, &at_fault,
+                                         &VIEW(&camera, o, NULL, 3), NULL));
+        TEST_ASSERT_EQUAL_INT32(unseen, at_fault);
+    }
+}
+
 /* A lens that folds has an image of a point beyond its fold too, but does not see it there.
  * The pose that fits all pixels is none, in whatever unit of length. */
 static void test_a_point_beyond_the_fold_spoils_a_pose_in_every_unit(void)
@@ -1209,9 +1245,10 @@ static void test_a_point_beyond_the_fold_spoils_a_pose_in_every_unit(void)
         camera.k1 = RC(-0.3); /* folds at 1.05 */
         for (int i = 0; i < 8; i++) {
             const double z = test_uniform(&rng, 2, 4);
-            const double x = i == 5 ? 1.5 : test_uniform(&rng, -0.4, 0.4);
-            const double y = test_uniform(&rng, -0.3, 0.3),
-                         bend = 1 - 0.3 * (x * x + y * y);
+            const double far = i == trial / 3 % 8 ? (trial / 6 % 2 ? -1.5 : 1.5) : 0;
+            const double x = test_uniform(&rng, -0.4, 0.4) + (trial / 3 % 2 ? 0 : far);
+            const double y = test_uniform(&rng, -0.3, 0.3) + (trial / 3 % 2 ? far : 0);
+            const double bend = 1 - 0.3 * (x * x + y * y);
 
             o[i].X_w[0] = RC(scale * x * z);
             o[i].X_w[1] = RC(scale * y * z);
@@ -1263,4 +1300,6 @@ TEST_MAIN()
     RUN_TEST(test_a_start_whose_last_step_leads_behind_is_dropped);
     RUN_TEST(test_garbled_pixels_give_honest_poses_or_none);
     RUN_TEST(test_a_point_beyond_the_fold_spoils_a_pose_in_every_unit);
+    RUN_TEST(test_room_for_poses_comes_first);
+    RUN_TEST(test_of_three_points_each_needs_a_ray);
 }

@@ -1109,6 +1109,41 @@ static void test_each_pointer_must_be_there(void)
     ASSERT_STATUS(RIGCAL_ERR_RANGE, rigcal_robust_step(&solver, 0));
 }
 
+/* The pose is that of the points marked, though the threshold is so near the noise that the
+ * marks change again and again; and the marks are those of the pose. */
+static void test_the_pose_is_that_of_the_points_marked(void)
+{
+    rigcal_robust_options options;
+    int other = 0;
+
+    ASSERT_STATUS(RIGCAL_OK, rigcal_robust_defaults(&options));
+    options.threshold_px = RC(2 * NOISE);
+    options.samples = 200;
+    for (int trial = 0; trial < TEST_TRIALS(60); trial++) {
+        test_rng rng = test_seed(700 + (uint64_t)trial);
+        rigcal_observation marked[N_MAX];
+        rigcal_pose plain;
+        size_t n = 0, n_found;
+        problem p;
+
+        make(&p, &rng, 20, TEST_GENERAL);
+        if (solve(&p, &options) < 0) {
+            continue;
+        }
+        for (int i = 0; i < p.n; i++) {
+            marked[n] = p.o[i];
+            n += p.inliers[i];
+        }
+        TEST_ASSERT_TRUE(rigcal_pose_solve(&plain, 1, &n_found, NULL,
+                                           &VIEW(&p.camera, marked, NULL, n), NULL) >= 0);
+        for (int k = 0; k < 3; k++) {
+            other += fabs(D(plain.cam_from_world.t[k]) -
+                          D(p.poses[0].cam_from_world.t[k])) > TOL(1e-9, 1e-3);
+        }
+    }
+    TEST_ASSERT_LESS_OR_EQUAL_INT(3, other); /* one search may end before it settles */
+}
+
 /* Four of five points agree, too few to improve a pose. What is in `inliers` before the
  * search does not matter, not even if it is the result. */
 static void test_what_was_in_the_marks_does_not_matter(void)
@@ -1386,6 +1421,7 @@ TEST_MAIN()
     RUN_TEST(test_a_solver_that_was_not_begun_is_refused);
     RUN_TEST(test_four_points_or_room_for_no_pose_are_refused);
     RUN_TEST(test_each_pointer_must_be_there);
+    RUN_TEST(test_the_pose_is_that_of_the_points_marked);
     RUN_TEST(test_what_was_in_the_marks_does_not_matter);
     RUN_TEST(test_the_noise_judges_the_pose_too);
     RUN_TEST(test_seed_0_is_a_seed);

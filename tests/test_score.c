@@ -96,6 +96,25 @@ static void test_of_equal_placements_the_first_is_listed_first(void)
     }
 }
 
+/* Of hypotheses with equal scores the first is the best. */
+static void test_of_equal_scores_the_first_is_the_best(void)
+{
+    test_rng rng = test_seed(579);
+    int32_t number;
+
+    WANTS_RIG;
+    begin(&rng, 1);
+    TEST_ASSERT_TRUE(rc_score_begin(&s, &parts));
+    for (size_t best = 0; best < 12; best++) {
+        for (size_t k = 0; k < RUNGS * 4 * s.n; k++) {
+            parts.scores[k] = k / RUNGS < best ? 1 : 2;
+        }
+        ASSERT_NEAR(2, rc_score_best(&number, &s, &parts, 1), 0);
+        TEST_ASSERT_EQUAL_INT32(4 * (int32_t)parts.list[best / 4] + (int32_t)(best % 4),
+                                number);
+    }
+}
+
 /* The cost of a placement for a hypothesis: the least over its combinations. */
 static double cost_in(const rc_claim *it, size_t own, size_t placement)
 {
@@ -173,6 +192,7 @@ static void test_the_best_hypothesis_is_that_of_all_comparisons(void)
             }
             for (int k = 0; k < RUNGS && it.view >= 0; k++) {
                 TEST_ASSERT_EQUAL(agree[k], rc_score_agree(RC(score[k])));
+                ASSERT_NEAR(score[k], parts.scores[RUNGS * h + (size_t)k], TOL(1e-9, 1e-2));
                 if ((int32_t)(4 * own + h % 4) == seen_number[k]) {
                     ASSERT_NEAR(score[k], seen[k], TOL(1e-9, 1e-2));
                 }
@@ -313,6 +333,7 @@ TEST_MAIN()
 {
     RUN_TEST(test_the_list_has_the_placements_that_tell_most);
     RUN_TEST(test_of_equal_placements_the_first_is_listed_first);
+    RUN_TEST(test_of_equal_scores_the_first_is_the_best);
     RUN_TEST(test_the_best_hypothesis_is_that_of_all_comparisons);
     RUN_TEST(test_hypotheses_from_the_rig);
     RUN_TEST(test_how_many_agree_with_a_score);

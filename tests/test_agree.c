@@ -228,6 +228,13 @@ static void make_exact(exact *e, int with_sigma)
     rc_clear(e->points.origin, 3);
 }
 
+/* A lens that moves no point: its numerator and denominator are the same. */
+static void with_lens(exact *e, int is_lens)
+{
+    e->camera.k1 = e->camera.k4 = RC(is_lens ? 0.125 : 0);
+    e->points.is_pinhole = (uint8_t)!is_lens;
+}
+
 /* Squared distances of 16, 16, 17, 25, 8, 9, 2 and 0 px^2, of which 16 agree: the first
  * ones, and those in u or in v alone, meet the limit exactly; 8 and 2 the ends of bins. */
 static void test_a_point_at_the_limit_agrees(void)
@@ -244,7 +251,7 @@ static void test_a_point_at_the_limit_agrees(void)
         exact e;
 
         make_exact(&e, way / 2);
-        e.points.is_pinhole = (uint8_t)(way % 2);
+        with_lens(&e, way % 2 == 0);
         for (int i = 0; i < EXACT; i++) {
             e.o[i].uv[0] += RC(OFF[i][0]);
             e.o[i].uv[1] += RC(OFF[i][1]);
@@ -280,7 +287,7 @@ static void test_a_point_in_the_plane_of_the_camera_disagrees(void)
             exact e;
 
             make_exact(&e, 0);
-            e.points.is_pinhole = (uint8_t)way;
+            with_lens(&e, way == 0);
             rigcal_real *const X = e.o[3].X_w;
             X[0] = RC(place == 1 ? 0.25 : 0);
             X[1] = RC(place == 2 ? 0.25 : 0);

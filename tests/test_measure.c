@@ -707,7 +707,7 @@ static void test_the_least_parallax_is_a_tenth_of_a_degree(void)
 {
     WANTS_RIG;
     for (int more = 0; more < 2; more++) {
-        const double angle = (more ? 0.11 : 0.09) * TEST_PI / 180;
+        const double angle = (more ? 0.1005 : 0.0995) * TEST_PI / 180;
 
         clear(2, 1);
         fill_covariance(1, 1);

@@ -131,8 +131,8 @@ static void go_on(rigcal_point_solver *p)
 
 static void begin_search(rigcal_point_solver *p)
 {
-    if (!(p->aside >= RC_PARALLAX_MIN) ||
-        rc_locate_parallax(p) < p->sightings->parallax_least ||
+    const rigcal_real least = p->sightings->parallax_least;
+    if (!(p->aside >= RC_PARALLAX_MIN) || (least > 0 && rc_locate_parallax(p) < least) ||
         !rc_point_factor(p->H, p->H, 0)) {
         end(p, RIGCAL_ERR_PARALLEL);
         return;

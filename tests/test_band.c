@@ -3,6 +3,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "rc_real.h"
 #include "test_bands.h"
 
 static test_bands scene;
@@ -240,6 +241,16 @@ static void test_parallel_rays_have_no_depth(void)
     ASSERT_STATUS(RIGCAL_OK, rigcal_band_make(&band, &scene.pair, uv));
     ASSERT_REFUSED(RIGCAL_ERR_PARALLEL, match, rigcal_band_test(&match, &band, uv));
     ASSERT_REFUSED(RIGCAL_ERR_BEHIND, match, rigcal_band_test(&match, &band, right));
+    for (int k = 0; k < 2; k++) { /* sines of 12 and 24 roundings; 16 are parallel */
+        const rigcal_real nearly[2] = {RC(320 - (k ? 24 : 12) * 500 * D(RC_EPS)), 240};
+        const rigcal_real ahead[2] = {320, 240};
+
+        ASSERT_STATUS(RIGCAL_OK, rigcal_band_make(&band, &scene.pair, ahead));
+        FILL(match);
+        ASSERT_STATUS(k ? RIGCAL_OK : RIGCAL_ERR_PARALLEL,
+                      rigcal_band_test(&match, &band, nearly));
+    }
+    ASSERT_STATUS(RIGCAL_OK, rigcal_band_make(&band, &scene.pair, uv));
     ASSERT_STATUS(RIGCAL_OK, rigcal_band_test(&match, &band, left));
     ASSERT_NEAR(50 * hypot(1, 0.02), match.depth_a, TOL(1e-9, 1e-2));
     ASSERT_NEAR(0, match.distance_px, TOL(1e-12, 1e-4));

@@ -92,8 +92,25 @@ static void test_the_most_points_are_2_to_the_28(void)
                    rigcal_bearings_of_view(&bearing, NULL, &view));
 }
 
+/* A ray has a pixel of a camera without distortion if its z is above the rounding of its
+ * largest coordinate. */
+static void test_a_ray_across_the_axis_has_no_tangents(void)
+{
+    for (int k = 0; k < 8; k++) {
+        static const double EPS[4] = {-1, 0, 1, 1.5};
+        const rigcal_real z = RC(EPS[k / 2] * D(RC_EPS) * 4);
+        const rigcal_bearing bearing = {{1, 2, 3},
+                                        {RC(k % 2 ? 4 : 0), RC(k % 2 ? 0 : -4), z}};
+
+        ASSERT_STATUS(k < 6 ? RIGCAL_ERR_WIDE_RAY : RIGCAL_OK,
+                      rc_check_bearings(&bearing, 1, 1));
+        ASSERT_STATUS(RIGCAL_OK, rc_check_bearings(&bearing, 1, 0));
+    }
+}
+
 TEST_MAIN()
 {
+    RUN_TEST(test_a_ray_across_the_axis_has_no_tangents);
     RUN_TEST(test_observations_become_bearings_one_by_one);
     RUN_TEST(test_the_observation_at_fault_is_told);
     RUN_TEST(test_the_most_points_are_2_to_the_28);

@@ -2,6 +2,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "rc_real.h"
 #include "test_two_views.h"
 #include "vectors_camera.h"
 #include "vectors_two_views.h"
@@ -489,6 +490,37 @@ static void test_the_curve_leaves_out_what_the_camera_cannot_see(void)
     ASSERT_UNTOUCHED(n_written);
 }
 
+/* A ray is in front of b if its z is above the rounding of its largest coordinate. */
+static void test_a_segment_ends_at_the_plane_of_b(void)
+{
+    static const double LOW[3] = {0.5, 1, 1.5};
+    const rigcal_camera camera = test_pinhole();
+    const rigcal_real ray[3] = {0, 0, 1};
+    rigcal_transform T = RIGHT_OF;
+    rigcal_real ends[4];
+
+    for (int k = 0; k < 3; k++) {
+        const double z = LOW[k] * D(RC_EPS);
+
+        T.t[0] = 1;
+        T.t[1] = T.t[2] = 0;
+        if (k < 2) {
+            ASSERT_REFUSED(RIGCAL_ERR_WIDE_RAY, ends,
+                           rigcal_epiline_segment(ends, &camera, &T, ray, RC(z), 2));
+        } else {
+            ASSERT_STATUS(RIGCAL_OK,
+                          rigcal_epiline_segment(ends, &camera, &T, ray, RC(z), 2));
+            ASSERT_NEAR(1, D(ends[0]) * z / D(camera.fx), TOL(1e-9, 1e-5));
+        }
+    }
+    T.t[2] = -1; /* in the plane of b, then behind it */
+    for (int near = 1; near <= 2; near++) {
+        ASSERT_REFUSED(RIGCAL_ERR_WIDE_RAY, ends,
+                       rigcal_epiline_segment(ends, &camera, &T, ray, RC(near) / 2,
+                                              RC(near) / 2 + RC(0.5)));
+    }
+}
+
 /* Samples are even in 1 / depth from near to far. The sixth of eleven samples is the true
  * point, so the curve passes through its true pixel. */
 static void test_the_curve_runs_through_the_true_match_in_any_lens(void)
@@ -676,6 +708,7 @@ TEST_MAIN()
     RUN_TEST(test_arguments_of_the_clipping_are_checked);
     RUN_TEST(test_the_segment_ends_where_the_nearest_and_farthest_would_be);
     RUN_TEST(test_the_curve_leaves_out_what_the_camera_cannot_see);
+    RUN_TEST(test_a_segment_ends_at_the_plane_of_b);
     RUN_TEST(test_the_curve_runs_through_the_true_match_in_any_lens);
     RUN_TEST(test_a_curve_of_two_points_is_the_segment_without_distortion);
     RUN_TEST(test_the_curve_stops_at_the_turning_point_of_the_lens);

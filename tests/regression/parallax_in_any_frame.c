@@ -43,6 +43,16 @@ static void place(const double R[9], int n, double degrees)
     }
 }
 
+/* As many cameras in the one place as in the other. */
+static void place_halves(const double R[9], int n, double degrees)
+{
+    place(R, n, degrees);
+    for (int i = n / 2; i < n - 1; i++) {
+        poses[i] = poses[n - 1];
+        uv[2 * i] = uv[2 * (n - 1)];
+    }
+}
+
 static rigcal_status triangulate(int n)
 {
     rigcal_point point;
@@ -115,8 +125,25 @@ static void test_further_views_do_not_raise_it(void)
     }
 }
 
+/* Of two equal bundles of rays the limit is that of two rays. */
+static void test_two_bundles_are_as_two_rays(void)
+{
+    test_rng rng = test_seed(643);
+
+    for (int n = 2; n < N; n += 2) {
+        double R[9];
+
+        random_frame(R, &rng);
+        place_halves(R, n, TOL(0.0995, 0.07));
+        ASSERT_STATUS(RIGCAL_ERR_PARALLEL, triangulate(n));
+        place_halves(R, n, TOL(0.1005, 0.14));
+        ASSERT_STATUS(RIGCAL_OK, triangulate(n));
+    }
+}
+
 TEST_MAIN()
 {
     RUN_TEST(test_the_least_parallax_is_the_same_in_any_frame);
+    RUN_TEST(test_two_bundles_are_as_two_rays);
     RUN_TEST(test_further_views_do_not_raise_it);
 }

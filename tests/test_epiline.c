@@ -689,6 +689,26 @@ static void test_a_line_too_far_off_for_its_pixels_is_refused(void)
                    rigcal_epiline_px(line, &camera, &beside, ray));
 }
 
+/* The angle between t and the ray, and the slope of a line, must be more than 16
+ * roundings. */
+static void test_the_limits_of_a_matching_line(void)
+{
+    for (int more = 0; more < 2; more++) {
+        const rigcal_real least = RC(16 + more) * RC_EPS;
+        const rigcal_real near_t[3] = {least, 0, 1}, up[3] = {0, 1, 0};
+        rigcal_transform T = RIGHT_OF;
+        rigcal_real line[3];
+
+        T.t[0] = T.t[1] = 0;
+        T.t[2] = 1;
+        ASSERT_STATUS(more ? RIGCAL_OK : RIGCAL_ERR_EPIPOLE,
+                      rigcal_epiline(line, &T, near_t));
+        T.t[0] = 1;
+        T.t[2] = least;
+        ASSERT_STATUS(more ? RIGCAL_OK : RIGCAL_ERR_OUTSIDE, rigcal_epiline(line, &T, up));
+    }
+}
+
 TEST_MAIN()
 {
     RUN_TEST(test_the_matching_line_of_a_camera_beside_is_level);
@@ -714,4 +734,5 @@ TEST_MAIN()
     RUN_TEST(test_the_curve_stops_at_the_turning_point_of_the_lens);
     RUN_TEST(test_arguments_of_segment_and_curve_are_checked);
     RUN_TEST(test_a_line_too_far_off_for_its_pixels_is_refused);
+    RUN_TEST(test_the_limits_of_a_matching_line);
 }

@@ -245,8 +245,25 @@ static void test_the_angle_of_rays_is_at_most_90_degrees(void)
     ASSERT_NEAR(TEST_PI / 6, rc_locate_parallax(&solver), TOL(1e-15, 1e-7));
 }
 
+/* The nearest point to the rays is a start like any other: its first step is damped. */
+static void test_the_first_step_is_damped(void)
+{
+    test_rng rng = test_seed(635);
+
+    build(&rng, 30);
+    ASSERT_STATUS(RIGCAL_OK, rigcal_point_begin(&solver, &s));
+    ASSERT_STATUS(RIGCAL_RUNNING, rigcal_point_step(&solver, N));
+    rc_locate_begin(&solver, N);
+    for (int i = 0; i < N; i++) {
+        ASSERT_STATUS(RIGCAL_RUNNING, rc_locate_step(&solver));
+    }
+    ASSERT_NEAR(1e-5, solver.search.lambda, TOL(1e-20, 1e-11));
+    TEST_ASSERT_EQUAL_INT(1, solver.evals);
+}
+
 TEST_MAIN()
 {
+    RUN_TEST(test_the_first_step_is_damped);
     RUN_TEST(test_equations_are_those_of_the_point_that_is_found);
     RUN_TEST(test_no_point_nearby_is_better);
     RUN_TEST(test_no_point_near_one_of_wild_views_is_better);

@@ -709,8 +709,23 @@ static void test_the_limits_of_a_matching_line(void)
     }
 }
 
+static void test_the_largest_image_is_clipped(void)
+{
+    const rigcal_real level[3] = {0, 1, 0};
+    const int32_t most = 1000000;
+    rigcal_real ends[4];
+
+    ASSERT_STATUS(RIGCAL_OK, rigcal_epiline_clip(ends, level, most, most));
+    ASSERT_NEAR(-0.5, ends[0] < ends[2] ? ends[0] : ends[2], 0.1);
+    ASSERT_NEAR(most - 0.5, ends[0] < ends[2] ? ends[2] : ends[0], 0.1);
+    ASSERT_REFUSED(RIGCAL_ERR_RANGE, ends, rigcal_epiline_clip(ends, level, most + 1, 1));
+    ASSERT_REFUSED(RIGCAL_ERR_RANGE, ends, rigcal_epiline_clip(ends, level, 1, most + 1));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_epiline_clip(ends, level, 1, 1));
+}
+
 TEST_MAIN()
 {
+    RUN_TEST(test_the_largest_image_is_clipped);
     RUN_TEST(test_the_matching_line_of_a_camera_beside_is_level);
     RUN_TEST(test_matching_lines_are_the_oracles);
     RUN_TEST(test_a_projected_point_lies_on_its_matching_line);

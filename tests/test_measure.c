@@ -1068,8 +1068,32 @@ static void test_of_equal_points_that_of_the_least_misfit_wins(void)
     }
 }
 
+/* View 2 is midway between views 0 and 1, and d pixels off, along u or v. View 3 is wrong.
+ * The mean of two views has half the variance of one, so view 2 agrees if d^2 < 9.21 (1 +
+ * 1/2) noise^2: 3.717 deviations. */
+static void test_the_limit_of_agreement_counts_the_noise_of_both(void)
+{
+    WANTS_RIG;
+    for (int k = 0; k < 4; k++) {
+        clear(4, 4);
+        m.rig.sigma_px = 0;
+        look(0, -1, 0, 0, 0);
+        look(1, 1, 0, 0, 0);
+        look(2, 0, 0, 0, 0);
+        look(3, 0.5, 0, 0, 0);
+        m.seen[0].uv[0] += 80; /* 10 ahead */
+        m.seen[1].uv[0] -= 80;
+        m.seen[2].uv[k / 2] += RC(NOISE * (k % 2 ? 3.8 : 3.63));
+        m.seen[3].uv[0] -= 40;
+        m.seen[3].uv[1] += 100;
+        const rigcal_status status = rigcal_point_measure(&point, NULL, &m.s);
+        ASSERT_STATUS(k % 2 ? RIGCAL_FEW_AGREE : RIGCAL_VIEWS_LEFT_OUT, status);
+    }
+}
+
 TEST_MAIN()
 {
+    RUN_TEST(test_the_limit_of_agreement_counts_the_noise_of_both);
     RUN_TEST(test_of_equal_points_that_of_the_least_misfit_wins);
     RUN_TEST(test_points_are_those_of_dense_algebra);
     RUN_TEST(test_lengths_are_those_of_dense_algebra);

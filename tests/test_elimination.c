@@ -549,8 +549,26 @@ static void test_small_equations_are_as_good(void)
     }
 }
 
+/* Rays and offsets along the axis of yaw say nothing of it. */
+static void test_equations_of_zeros_are_refused(void)
+{
+    const rigcal_pair pairs[3] = {
+        test_pair_of(0, 0, 1, 0, 0, 1),
+        test_pair_of(0, 0, 1, 0, 0, -1),
+        test_pair_of(0, 0, 1, 0, 0, 1),
+    };
+    const rigcal_real angles[2] = {0, 0};
+    rigcal_elimination out;
+
+    for (int used = 0; used <= 2; used += 2) {
+        ASSERT_REFUSED(RIGCAL_ERR_DEGENERATE, out,
+                       rigcal_pairs_eliminate(&out, pairs, 3, used, RIGCAL_YAW, angles));
+    }
+}
+
 TEST_MAIN()
 {
+    RUN_TEST(test_equations_of_zeros_are_refused);
     RUN_TEST(test_small_equations_are_as_good);
     RUN_TEST(test_pairs_and_their_residuals_are_the_oracles);
     RUN_TEST(test_the_residual_vanishes_at_the_true_rotation);

@@ -407,8 +407,8 @@ static void test_a_pair_of_one_camera_that_counts_has_no_depth(void)
                    rigcal_transfer_make(&out, &kept, ABC, uv[0], uv[1], NOISE));
 }
 
-/* Sigma^-1 = (2, -1; -1, 2) / (3 unit^2), the offset is (1, 2) units, however small the unit
- * is. Coordinates of which one determines the other are degenerate in any unit. */
+/* Sigma^-1 = (2, -1; -1, 2) / (3 unit^2), the offset is (1, 2) units, however small the
+ * unit is. Coordinates of which one determines the other are degenerate in any unit. */
 static void test_a_candidate_has_any_unit_of_pixels(void)
 {
     for (int k = -1; k <= 1; k++) {

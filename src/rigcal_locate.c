@@ -131,10 +131,9 @@ static void go_on(rigcal_point_solver *p)
 
 static void begin_search(rigcal_point_solver *p)
 {
-    const rigcal_real n = (rigcal_real)p->n_used, of_n[3] = {n, n, n};
     const rigcal_real least = p->sightings->parallax_least;
-    if ((least > 0 && rc_locate_parallax(p) < least) ||
-        !rc_sym3_factor(p->H, p->H, of_n, RC_PARALLAX_MIN / 4)) {
+    if (!(p->aside >= RC_PARALLAX_MIN) || (least > 0 && rc_locate_parallax(p) < least) ||
+        !rc_point_factor(p->H, p->H, 0)) {
         end(p, RIGCAL_ERR_PARALLEL);
         return;
     }
@@ -145,8 +144,7 @@ static void begin_search(rigcal_point_solver *p)
     go_on(p);
 }
 
-/* Adds a ray to sum (I - d d^T) (X - o) = 0, o = -R^T t, d along the ray. The sum of I - d
- * d^T over two rays an angle a apart has a least eigenvalue of a^2 / 2. */
+/* Adds a ray to sum (I - d d^T) (X - o) = 0, o = -R^T t, d along the ray. */
 static void add_ray(rigcal_point_solver *p)
 {
     const rigcal_sightings *const s = p->sightings;

@@ -148,12 +148,12 @@ RC_APART void rc_point_solve(rigcal_real x[3], const rigcal_real L[6])
 
 /* Finds the point with the least sum of squared distances from the rays: sum (I - d d^T) (X
  * - o) = 0. A ray begins at o = -R^T t and has the unit direction d. The sum of I - d d^T
- * over two rays an angle a apart has a least eigenvalue of a^2 / 2. */
+ * over two rays an angle a apart has the determinant 2 sin^2 a, in any frame. */
 static rigcal_status nearest_to_rays(rigcal_real X[3], const sightings *v)
 {
-    const rigcal_real n = (rigcal_real)v->n, of_n[3] = {n, n, n};
+    const rigcal_real n = (rigcal_real)v->n;
     rigcal_real A[6] = {n, 0, 0, n, 0, n};
-    X[0] = X[1] = X[2] = 0;
+    rc_clear(X, 3);
     for (size_t i = 0; i < v->n; i++) {
         const rigcal_transform *const T = &v->cams_from_world[i];
         rigcal_real ray[3], d[3], o[3];
@@ -167,11 +167,14 @@ static rigcal_status nearest_to_rays(rigcal_real X[3], const sightings *v)
         rc_vec3_add_scaled(X, -1, o);
         rc_sym3_add_outer(A, -1, d);
     }
-    if (!rc_sym3_factor(A, A, of_n, RC_PARALLAX_MIN / 4)) {
-        return RIGCAL_ERR_PARALLEL;
+    if (rc_point_factor(A, A, 0)) {
+        const rigcal_real by_root = n * A[0] * A[3] * A[5]; /* n / sqrt(determinant) */
+        if (n * by_root * by_root <= 4 / RC_PARALLAX_MIN) {
+            rc_point_solve(X, A);
+            return RIGCAL_OK;
+        }
     }
-    rc_point_solve(X, A);
-    return RIGCAL_OK;
+    return RIGCAL_ERR_PARALLEL;
 }
 
 /* The state of a triangulation. */
@@ -184,10 +187,8 @@ typedef struct {
 static rigcal_status evaluate(rigcal_real *sum, triangulation *s, const sightings *v)
 {
     rigcal_real total = 0;
-    for (int k = 0; k < 6; k++) {
-        s->H[k] = 0;
-        s->g[k / 2] = 0;
-    }
+    rc_clear(s->H, 6);
+    rc_clear(s->g, 3);
     for (size_t i = 0; i < v->n; i++) {
         const rigcal_transform *const T = &v->cams_from_world[i];
         const rigcal_camera *const camera = &v->cameras[i];

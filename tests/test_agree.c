@@ -563,8 +563,49 @@ static void test_a_target_in_its_place_has_no_misfit(void)
     ASSERT_NEAR(4.0 / 7, rc_agree_misfit(&points, &T), 1e-6);
 }
 
+/* In any unit of length the same points agree. One in the camera's centre never does. */
+static void test_points_agree_in_any_unit_of_length(void)
+{
+    test_rng rng = test_seed(21);
+    const rigcal_real unit = RC(TOL(1.0 / (1 << 30), 1.0 / 64));
+    rigcal_real sum[2], uv_middle[2];
+    size_t n[2];
+    rigcal_transform T;
+    int32_t at;
+    problem p;
+
+    make(&p, &rng, 0, 0);
+    pose_near(&T, &p, &rng, 0);
+    n[0] = rc_agree_score(&sum[0], &p.points, &T, RC(LIMIT), RC_MAX);
+    for (int i = 0; i < N; i++) {
+        for (int k = 0; k < 3; k++) {
+            p.o[i].X_w[k] *= unit;
+        }
+    }
+    rc_points_of(&p.points, &p.view, NULL);
+    ASSERT_STATUS(RIGCAL_OK, rc_points_survey(&p.points, uv_middle, &at));
+    for (int k = 0; k < 3; k++) {
+        T.t[k] *= unit;
+    }
+    n[1] = rc_agree_score(&sum[1], &p.points, &T, RC(LIMIT), RC_MAX);
+    TEST_ASSERT_EQUAL_size_t(n[0], n[1]);
+    TEST_ASSERT_GREATER_THAN_size_t(4, n[1]);
+    ASSERT_NEAR(sum[0], sum[1], TOL(1e-9, 1e-2) * D(sum[0]));
+
+    for (int k = 0; k < 3; k++) { /* all points are in the centre */
+        p.points.origin[k] = p.o[0].X_w[k];
+        T.t[k] = 0;
+    }
+    for (int i = 0; i < N; i++) {
+        memcpy(p.o[i].X_w, p.points.origin, sizeof p.o[i].X_w);
+    }
+    TEST_ASSERT_EQUAL_INT(0, rc_agree_score(&sum[0], &p.points, &T, RC(LIMIT), RC_MAX));
+    ASSERT_NEAR(N * LIMIT, sum[0], TOL(1e-9, 1e-3));
+}
+
 TEST_MAIN()
 {
+    RUN_TEST(test_points_agree_in_any_unit_of_length);
     RUN_TEST(test_the_sum_is_that_of_the_errors_and_their_limit);
     RUN_TEST(test_a_point_behind_the_camera_disagrees);
     RUN_TEST(test_to_give_up_early_finds_the_same_best);

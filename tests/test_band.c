@@ -3,6 +3,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "rc_real.h"
 #include "test_bands.h"
 
 static test_bands scene;
@@ -240,6 +241,16 @@ static void test_parallel_rays_have_no_depth(void)
     ASSERT_STATUS(RIGCAL_OK, rigcal_band_make(&band, &scene.pair, uv));
     ASSERT_REFUSED(RIGCAL_ERR_PARALLEL, match, rigcal_band_test(&match, &band, uv));
     ASSERT_REFUSED(RIGCAL_ERR_BEHIND, match, rigcal_band_test(&match, &band, right));
+    for (int k = 0; k < 2; k++) { /* sines of 12 and 24 roundings; 16 are parallel */
+        const rigcal_real nearly[2] = {RC(320 - (k ? 24 : 12) * 500 * D(RC_EPS)), 240};
+        const rigcal_real ahead[2] = {320, 240};
+
+        ASSERT_STATUS(RIGCAL_OK, rigcal_band_make(&band, &scene.pair, ahead));
+        FILL(match);
+        ASSERT_STATUS(k ? RIGCAL_OK : RIGCAL_ERR_PARALLEL,
+                      rigcal_band_test(&match, &band, nearly));
+    }
+    ASSERT_STATUS(RIGCAL_OK, rigcal_band_make(&band, &scene.pair, uv));
     ASSERT_STATUS(RIGCAL_OK, rigcal_band_test(&match, &band, left));
     ASSERT_NEAR(50 * hypot(1, 0.02), match.depth_a, TOL(1e-9, 1e-2));
     ASSERT_NEAR(0, match.distance_px, TOL(1e-12, 1e-4));
@@ -326,8 +337,44 @@ static void test_a_ray_whose_pixel_says_nothing_of_the_line_is_degenerate(void)
     ASSERT_UNTOUCHED(match);
 }
 
+static void test_the_range_of_depths_ends_at_the_largest_coordinate(void)
+{
+    static const double beside[3] = {1, 0, 0};
+    const rigcal_real uv[2] = {330, 240};
+
+    look_the_same_way(beside, 0.5);
+    scene.pair.far_a = RC_COORDINATE_MAX;
+    ASSERT_STATUS(RIGCAL_OK, rigcal_band_make(&band, &scene.pair, uv));
+    scene.pair.near_a = RC_COORDINATE_MAX;
+    scene.pair.far_a = 0;
+    ASSERT_STATUS(RIGCAL_OK, rigcal_band_make(&band, &scene.pair, uv));
+    scene.pair.far_a = RC_COORDINATE_MAX;
+    ASSERT_REFUSED(RIGCAL_ERR_RANGE, band, rigcal_band_make(&band, &scene.pair, uv));
+    scene.pair.near_a = 0;
+    scene.pair.far_a = RC_COORDINATE_MAX * RC(1.01);
+    ASSERT_REFUSED(RIGCAL_ERR_RANGE, band, rigcal_band_make(&band, &scene.pair, uv));
+}
+
+/* Seen from b, 3 beside, an error of t across it turns its direction by a third of that. */
+static void test_the_epipole_is_as_unsure_as_the_direction_of_t(void)
+{
+    static const double beside[3] = {3, 0, 0};
+    const rigcal_real uv[2] = {320, 240};
+
+    for (int along = 0; along < 2; along++) {
+        look_the_same_way(beside, 0.5);
+        scene.pair.Sigma[21] = RC(0.5);                  /* x: along t */
+        scene.pair.Sigma[28] = RC(along ? 1e-6 : 9e-6);  /* y */
+        scene.pair.Sigma[35] = RC(along ? 36e-6 : 4e-6); /* z */
+        ASSERT_STATUS(RIGCAL_OK, rigcal_band_make(&band, &scene.pair, uv));
+        ASSERT_NEAR(along ? 4e-6 : 1e-6, band.epipole2, TOL(1e-18, 1e-11));
+    }
+}
+
 TEST_MAIN()
 {
+    RUN_TEST(test_the_range_of_depths_ends_at_the_largest_coordinate);
+    RUN_TEST(test_the_epipole_is_as_unsure_as_the_direction_of_t);
     RUN_TEST(test_k_is_the_quantile);
     RUN_TEST(test_rays_turn_as_differences_of_pixels_say);
     RUN_TEST(test_what_a_band_says_of_a_pixel_is_true);

@@ -315,8 +315,17 @@ static void test_a_placement_that_is_not_known_adds_nothing(void)
     TEST_ASSERT_EQUAL_MEMORY(before.q, m.q, sizeof m.q);
 }
 
+static void test_without_columns_there_is_nothing(void)
+{
+    rc_border b;
+
+    memset(&b, 0, sizeof b);
+    TEST_ASSERT_EQUAL_size_t(0, rc_border_size(&b));
+}
+
 TEST_MAIN()
 {
+    RUN_TEST(test_without_columns_there_is_nothing);
     RUN_TEST(test_the_border_is_that_of_the_whole_matrix);
     RUN_TEST(test_information_and_slope_are_without_the_cameras);
     RUN_TEST(test_a_placement_that_is_not_known_adds_nothing);

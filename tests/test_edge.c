@@ -142,6 +142,7 @@ static void test_a_border_that_the_lens_does_not_see_leaves_the_edge(void)
 
     make_rows(&band);
     place_of(p, &band, 0.5);
+    edge.slope2 = TEST_NAN; /* a side begins without what was before */
     TEST_ASSERT_TRUE(rc_edge_begin_side(&edge, 0, p));
     ASSERT_STATUS(RIGCAL_OK, rc_edge_find(uv, J, &edge, p));
     const rigcal_edge before = edge;

@@ -526,8 +526,50 @@ static void test_arguments_of_the_three_angle_residual_are_checked(void)
                    rigcal_pairs_residual(&residual, pairs, 3, zero));
 }
 
+/* Rays and offsets are nearly along the axis of yaw and across it. Then all equations are
+ * small, but as well conditioned as others: h c = h and h s = h, twice. */
+static void test_small_equations_are_as_good(void)
+{
+    const double h = TOL(1e-7, 1e-3);
+    const rigcal_pair pairs[4] = {
+        test_pair_of(h, 0, 1, 1, 0, -h),
+        test_pair_of(0, h, 1, 1, 0, -h),
+        test_pair_of(h, 0, 1, 1, 0, -h),
+        test_pair_of(0, h, 1, 1, 0, -h),
+    };
+    const rigcal_real angles[2] = {0, 0};
+    rigcal_elimination out;
+
+    for (int used = 0; used <= 2; used += 2) {
+        ASSERT_STATUS(RIGCAL_OK,
+                      rigcal_pairs_eliminate(&out, pairs, 4, used, RIGCAL_YAW, angles));
+        ASSERT_NEAR(1, out.cosine, TOL(1e-9, 1e-4));
+        ASSERT_NEAR(1, out.sine, TOL(1e-9, 1e-4));
+        ASSERT_NEAR(1, out.condition, TOL(1e-9, 1e-3));
+    }
+}
+
+/* Rays and offsets along the axis of yaw say nothing of it. */
+static void test_equations_of_zeros_are_refused(void)
+{
+    const rigcal_pair pairs[3] = {
+        test_pair_of(0, 0, 1, 0, 0, 1),
+        test_pair_of(0, 0, 1, 0, 0, -1),
+        test_pair_of(0, 0, 1, 0, 0, 1),
+    };
+    const rigcal_real angles[2] = {0, 0};
+    rigcal_elimination out;
+
+    for (int used = 0; used <= 2; used += 2) {
+        ASSERT_REFUSED(RIGCAL_ERR_DEGENERATE, out,
+                       rigcal_pairs_eliminate(&out, pairs, 3, used, RIGCAL_YAW, angles));
+    }
+}
+
 TEST_MAIN()
 {
+    RUN_TEST(test_equations_of_zeros_are_refused);
+    RUN_TEST(test_small_equations_are_as_good);
     RUN_TEST(test_pairs_and_their_residuals_are_the_oracles);
     RUN_TEST(test_the_residual_vanishes_at_the_true_rotation);
     RUN_TEST(test_a_residual_of_what_is_no_pair_or_rotation_is_refused);

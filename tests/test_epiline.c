@@ -2,6 +2,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "rc_real.h"
 #include "test_two_views.h"
 #include "vectors_camera.h"
 #include "vectors_two_views.h"
@@ -489,6 +490,37 @@ static void test_the_curve_leaves_out_what_the_camera_cannot_see(void)
     ASSERT_UNTOUCHED(n_written);
 }
 
+/* A ray is in front of b if its z is above the rounding of its largest coordinate. */
+static void test_a_segment_ends_at_the_plane_of_b(void)
+{
+    static const double LOW[3] = {0.5, 1, 1.5};
+    const rigcal_camera camera = test_pinhole();
+    const rigcal_real ray[3] = {0, 0, 1};
+    rigcal_transform T = RIGHT_OF;
+    rigcal_real ends[4];
+
+    for (int k = 0; k < 3; k++) {
+        const double z = LOW[k] * D(RC_EPS);
+
+        T.t[0] = 1;
+        T.t[1] = T.t[2] = 0;
+        if (k < 2) {
+            ASSERT_REFUSED(RIGCAL_ERR_WIDE_RAY, ends,
+                           rigcal_epiline_segment(ends, &camera, &T, ray, RC(z), 2));
+        } else {
+            ASSERT_STATUS(RIGCAL_OK,
+                          rigcal_epiline_segment(ends, &camera, &T, ray, RC(z), 2));
+            ASSERT_NEAR(1, D(ends[0]) * z / D(camera.fx), TOL(1e-9, 1e-5));
+        }
+    }
+    T.t[2] = -1; /* in the plane of b, then behind it */
+    for (int near = 1; near <= 2; near++) {
+        ASSERT_REFUSED(RIGCAL_ERR_WIDE_RAY, ends,
+                       rigcal_epiline_segment(ends, &camera, &T, ray, RC(near) / 2,
+                                              RC(near) / 2 + RC(0.5)));
+    }
+}
+
 /* Samples are even in 1 / depth from near to far. The sixth of eleven samples is the true
  * point, so the curve passes through its true pixel. */
 static void test_the_curve_runs_through_the_true_match_in_any_lens(void)
@@ -657,8 +689,43 @@ static void test_a_line_too_far_off_for_its_pixels_is_refused(void)
                    rigcal_epiline_px(line, &camera, &beside, ray));
 }
 
+/* The angle between t and the ray, and the slope of a line, must be more than 16
+ * roundings. */
+static void test_the_limits_of_a_matching_line(void)
+{
+    for (int more = 0; more < 2; more++) {
+        const rigcal_real least = RC(16 + more) * RC_EPS;
+        const rigcal_real near_t[3] = {least, 0, 1}, up[3] = {0, 1, 0};
+        rigcal_transform T = RIGHT_OF;
+        rigcal_real line[3];
+
+        T.t[0] = T.t[1] = 0;
+        T.t[2] = 1;
+        ASSERT_STATUS(more ? RIGCAL_OK : RIGCAL_ERR_EPIPOLE,
+                      rigcal_epiline(line, &T, near_t));
+        T.t[0] = 1;
+        T.t[2] = least;
+        ASSERT_STATUS(more ? RIGCAL_OK : RIGCAL_ERR_OUTSIDE, rigcal_epiline(line, &T, up));
+    }
+}
+
+static void test_the_largest_image_is_clipped(void)
+{
+    const rigcal_real level[3] = {0, 1, 0};
+    const int32_t most = 1000000;
+    rigcal_real ends[4];
+
+    ASSERT_STATUS(RIGCAL_OK, rigcal_epiline_clip(ends, level, most, most));
+    ASSERT_NEAR(-0.5, ends[0] < ends[2] ? ends[0] : ends[2], 0.1);
+    ASSERT_NEAR(most - 0.5, ends[0] < ends[2] ? ends[2] : ends[0], 0.1);
+    ASSERT_REFUSED(RIGCAL_ERR_RANGE, ends, rigcal_epiline_clip(ends, level, most + 1, 1));
+    ASSERT_REFUSED(RIGCAL_ERR_RANGE, ends, rigcal_epiline_clip(ends, level, 1, most + 1));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_epiline_clip(ends, level, 1, 1));
+}
+
 TEST_MAIN()
 {
+    RUN_TEST(test_the_largest_image_is_clipped);
     RUN_TEST(test_the_matching_line_of_a_camera_beside_is_level);
     RUN_TEST(test_matching_lines_are_the_oracles);
     RUN_TEST(test_a_projected_point_lies_on_its_matching_line);
@@ -676,9 +743,11 @@ TEST_MAIN()
     RUN_TEST(test_arguments_of_the_clipping_are_checked);
     RUN_TEST(test_the_segment_ends_where_the_nearest_and_farthest_would_be);
     RUN_TEST(test_the_curve_leaves_out_what_the_camera_cannot_see);
+    RUN_TEST(test_a_segment_ends_at_the_plane_of_b);
     RUN_TEST(test_the_curve_runs_through_the_true_match_in_any_lens);
     RUN_TEST(test_a_curve_of_two_points_is_the_segment_without_distortion);
     RUN_TEST(test_the_curve_stops_at_the_turning_point_of_the_lens);
     RUN_TEST(test_arguments_of_segment_and_curve_are_checked);
     RUN_TEST(test_a_line_too_far_off_for_its_pixels_is_refused);
+    RUN_TEST(test_the_limits_of_a_matching_line);
 }

@@ -850,8 +850,21 @@ static void test_a_place_whose_square_overflows_is_not_usable(void)
     TEST_ASSERT_FALSE(rc_lens_is_usable(&camera, far));
 }
 
+/* What is exact needs no tolerance. */
+static void test_the_answer_of_an_exact_lens_has_no_error(void)
+{
+    const rigcal_camera camera = {.fx = 1, .fy = 1};
+    const rigcal_real target[2] = {RC(0.5), RC(-0.25)};
+    rigcal_real x[2];
+
+    TEST_ASSERT_TRUE(rc_lens_invert(x, &camera, target, 0));
+    ASSERT_NEAR(0.5, x[0], 0);
+    ASSERT_NEAR(-0.25, x[1], 0);
+}
+
 TEST_MAIN()
 {
+    RUN_TEST(test_the_answer_of_an_exact_lens_has_no_error);
     RUN_TEST(test_the_map_and_its_derivative_are_those_of_the_formulas);
     RUN_TEST(test_a_pole_has_no_map);
     RUN_TEST(test_only_browns_lens_without_coefficients_is_a_pinhole);

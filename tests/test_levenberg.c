@@ -43,6 +43,8 @@ static void test_a_search_begins_by_asking_for_equations(void)
         TEST_ASSERT_EQUAL_INT(RC_WANT_EQUATIONS, lm.want);
         TEST_ASSERT_EQUAL_INT(RC_GAUSS_NEWTON, lm.equations);
         ASSERT_STATUS(RIGCAL_RUNNING, lm.status);
+        ASSERT_NEAR(D(RC_MAX), lm.sum, 0); /* no sum is known */
+        ASSERT_NEAR(0, lm.last_gain, 0);
         TEST_ASSERT_TRUE(is_near ? !(lm.lambda > 0) && !(lm.lambda < 0)
                                  : lm.lambda > 0 && D(lm.lambda) < 1e-2);
     }
@@ -411,6 +413,82 @@ static void test_a_search_may_pause_at_any_turn(void)
     ASSERT_NEAR(1, s.x[0], TOL(1e-6, 1e-3));
 }
 
+/* ---- the limits themselves ---------------------------------------------------
+ * With a sum of 1 each limit is met exactly. Just beyond it the other way is taken. */
+
+static void test_the_limits_of_the_damping(void)
+{
+    static const double BEFORE[6] = {0, 1e-5, 1e-4, 1, 10, 10.01};
+    static const double INDEFINITE[6] = {1e-4, 1e-4, 1e-3, 10, 100, 10.01};
+    static const double HARM[6] = {1e-5, 1e-4, 1e-3, 10, 100, 100.1};
+
+    for (int k = 0; k < 6; k++) {
+        rigcal_levenberg lm = with_newton();
+        lm.lambda = RC(BEFORE[k]);
+        rc_levenberg_not_definite(&lm);
+        ASSERT_NEAR(INDEFINITE[k], lm.lambda, TOL(1e-15, 1e-6) * (1 + INDEFINITE[k]));
+        TEST_ASSERT_EQUAL_INT(k < 5 ? RC_NEWTON_INDEFINITE : RC_GAUSS_NEWTON, lm.equations);
+
+        lm = at_sum_1();
+        ASSERT_NEAR(1e-5, lm.lambda, TOL(1e-20, 1e-11));
+        lm.lambda = RC(BEFORE[k]);
+        TEST_ASSERT_FALSE(rc_levenberg_tried(&lm, RIGCAL_OK, 2, MUCH, 0));
+        ASSERT_NEAR(HARM[k], lm.lambda, TOL(1e-15, 1e-6) * (1 + HARM[k]));
+
+        lm = at_sum_1();
+        lm.lambda = RC(BEFORE[k]);
+        TEST_ASSERT_TRUE(rc_levenberg_tried(&lm, RIGCAL_OK, RC(0.5), MUCH, 0));
+        ASSERT_NEAR(BEFORE[k] / 10, lm.lambda, TOL(1e-15, 1e-6) * (1 + BEFORE[k]));
+    }
+}
+
+static void test_the_limits_of_the_last_step(void)
+{
+    for (int more = 0; more < 2; more++) {
+        const rigcal_real by = more ? RC(1.001) : 1;
+        const int last = more ? RC_STEP_TRY : RC_STEP_LAST;
+        rigcal_levenberg lm = at_sum_1();
+        lm.lambda = RC(1e-2) * by;
+        TEST_ASSERT_EQUAL_INT(last, rc_levenberg_promised(&lm, RC(0.25), RC(0.25)));
+
+        lm = at_sum_1();
+        TEST_ASSERT_EQUAL_INT(last, rc_levenberg_promised(&lm, RC(0.25) * by, RC(0.25)));
+        lm = at_sum_1();
+        TEST_ASSERT_EQUAL_INT(last,
+                              rc_levenberg_promised(&lm, RC(TOL(1e-13, 1e-6)) * by, 0));
+
+        lm = at_sum_1(); /* slow */
+        lm.last_gain = 1;
+        TEST_ASSERT_EQUAL_INT(RC_STEP_TRY, rc_levenberg_promised(&lm, RC(0.1) * by, 0));
+        TEST_ASSERT_EQUAL_INT(more ? RC_NEWTON : RC_GAUSS_NEWTON, lm.equations);
+        if (!RIGCAL_USE_FLOAT) { /* g^2 / sum = 1e-12 (g_before - g), exact in binary */
+            const rigcal_real gain = RC(1e-12), fell = RC(ldexp(1, -42));
+            lm = at_sum_1();
+            lm.sum = gain / fell;
+            lm.last_gain = gain + fell;
+            TEST_ASSERT_EQUAL_INT(last, rc_levenberg_promised(&lm, gain * by, 0));
+        }
+    }
+}
+
+static void test_the_limits_of_harm(void)
+{
+    for (int more = 0; more < 2; more++) {
+        const rigcal_real by = more ? RC(1.001) : 1;
+        rigcal_levenberg lm = at_sum_1();
+        TEST_ASSERT_EQUAL_INT(
+            !more, rc_levenberg_tried(&lm, RIGCAL_OK, 1 + RC(16 + more) * RC_EPS, MUCH, 0));
+        lm = at_sum_1();
+        TEST_ASSERT_FALSE(
+            rc_levenberg_tried(&lm, RIGCAL_OK, 2, RC(TOL(1e-7, 1e-4)) * by, 0));
+        ASSERT_STATUS(more ? RIGCAL_RUNNING : RIGCAL_OK, lm.status);
+        lm = at_sum_1();
+        lm.lambda = RC(1e7) * by;
+        TEST_ASSERT_FALSE(rc_levenberg_tried(&lm, RIGCAL_OK, 2, MUCH, 0));
+        ASSERT_STATUS(more ? RIGCAL_OK : RIGCAL_RUNNING, lm.status);
+    }
+}
+
 TEST_MAIN()
 {
     RUN_TEST(test_a_search_begins_by_asking_for_equations);
@@ -437,4 +515,7 @@ TEST_MAIN()
     RUN_TEST(test_a_linear_problem_takes_few_evaluations);
     RUN_TEST(test_a_valley_is_followed_to_its_end);
     RUN_TEST(test_a_search_may_pause_at_any_turn);
+    RUN_TEST(test_the_limits_of_the_damping);
+    RUN_TEST(test_the_limits_of_the_last_step);
+    RUN_TEST(test_the_limits_of_harm);
 }

@@ -236,11 +236,38 @@ static void test_a_covariance_that_overflows_is_told(void)
     rig.sigma_px = 0;
 }
 
+/* A squared sine may be above 1 by rounding. */
+static void test_the_angle_of_rays_is_at_most_90_degrees(void)
+{
+    solver.aside = 1 + 4 * RC_EPS;
+    ASSERT_NEAR(TEST_PI / 2, rc_locate_parallax(&solver), TOL(1e-15, 1e-6));
+    solver.aside = RC(0.25);
+    ASSERT_NEAR(TEST_PI / 6, rc_locate_parallax(&solver), TOL(1e-15, 1e-7));
+}
+
+/* The nearest point to the rays is a start like any other: its first step is damped. */
+static void test_the_first_step_is_damped(void)
+{
+    test_rng rng = test_seed(635);
+
+    build(&rng, 30);
+    ASSERT_STATUS(RIGCAL_OK, rigcal_point_begin(&solver, &s));
+    ASSERT_STATUS(RIGCAL_RUNNING, rigcal_point_step(&solver, N));
+    rc_locate_begin(&solver, N);
+    for (int i = 0; i < N; i++) {
+        ASSERT_STATUS(RIGCAL_RUNNING, rc_locate_step(&solver));
+    }
+    ASSERT_NEAR(1e-5, solver.search.lambda, TOL(1e-20, 1e-11));
+    TEST_ASSERT_EQUAL_INT(1, solver.evals);
+}
+
 TEST_MAIN()
 {
+    RUN_TEST(test_the_first_step_is_damped);
     RUN_TEST(test_equations_are_those_of_the_point_that_is_found);
     RUN_TEST(test_no_point_nearby_is_better);
     RUN_TEST(test_no_point_near_one_of_wild_views_is_better);
     RUN_TEST(test_a_point_that_grazes_a_camera_is_refused);
+    RUN_TEST(test_the_angle_of_rays_is_at_most_90_degrees);
     RUN_TEST(test_a_covariance_that_overflows_is_told);
 }

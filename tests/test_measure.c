@@ -707,7 +707,7 @@ static void test_the_least_parallax_is_a_tenth_of_a_degree(void)
 {
     WANTS_RIG;
     for (int more = 0; more < 2; more++) {
-        const double angle = (more ? 0.11 : 0.09) * TEST_PI / 180;
+        const double angle = (more ? 0.1005 : 0.0995) * TEST_PI / 180;
 
         clear(2, 1);
         fill_covariance(1, 1);
@@ -1041,8 +1041,60 @@ static void test_a_length_between_groups_is_refused(void)
                   rigcal_point_distance(&distance, &sigma, &m.rig, &point, &other));
 }
 
+/* Views 0 and 1 see one point, 2 and 3 another one. As many agree with each. Of equals that
+ * of the least sum wins, whichever is tried first. */
+static void test_of_equal_points_that_of_the_least_misfit_wins(void)
+{
+    WANTS_RIG;
+    for (int which = 0; which < 2; which++) {
+        uint8_t used[N];
+
+        clear(4, 4);
+        m.rig.sigma_px = 0;
+        look(0, -1, 0, 0, 0);
+        look(1, 1, 0, 0, 0);
+        look(2, -1.1, 1, 0, 0);
+        look(3, 1.1, 1, 0, 0);
+        m.seen[0].uv[0] += 80; /* 10 ahead */
+        m.seen[1].uv[0] -= 80;
+        m.seen[2].uv[0] += 176; /* 5 ahead */
+        m.seen[3].uv[0] -= 176;
+        m.seen[which ? 0 : 2].uv[1] += RC(1.5 * NOISE); /* the misfit */
+        ASSERT_STATUS(RIGCAL_FEW_AGREE, rigcal_point_measure(&point, used, &m.s));
+        ASSERT_NEAR(which ? 5 : 10, point.X[2], 0.05);
+        for (int i = 0; i < 4; i++) {
+            TEST_ASSERT_EQUAL_INT((i >= 2) == which, used[i]);
+        }
+    }
+}
+
+/* View 2 is midway between views 0 and 1, and d pixels off, along u or v. View 3 is wrong.
+ * The mean of two views has half the variance of one, so view 2 agrees if d^2 < 9.21 (1 +
+ * 1/2) noise^2: 3.717 deviations. */
+static void test_the_limit_of_agreement_counts_the_noise_of_both(void)
+{
+    WANTS_RIG;
+    for (int k = 0; k < 4; k++) {
+        clear(4, 4);
+        m.rig.sigma_px = 0;
+        look(0, -1, 0, 0, 0);
+        look(1, 1, 0, 0, 0);
+        look(2, 0, 0, 0, 0);
+        look(3, 0.5, 0, 0, 0);
+        m.seen[0].uv[0] += 80; /* 10 ahead */
+        m.seen[1].uv[0] -= 80;
+        m.seen[2].uv[k / 2] += RC(NOISE * (k % 2 ? 3.8 : 3.63));
+        m.seen[3].uv[0] -= 40;
+        m.seen[3].uv[1] += 100;
+        const rigcal_status status = rigcal_point_measure(&point, NULL, &m.s);
+        ASSERT_STATUS(k % 2 ? RIGCAL_FEW_AGREE : RIGCAL_VIEWS_LEFT_OUT, status);
+    }
+}
+
 TEST_MAIN()
 {
+    RUN_TEST(test_the_limit_of_agreement_counts_the_noise_of_both);
+    RUN_TEST(test_of_equal_points_that_of_the_least_misfit_wins);
     RUN_TEST(test_points_are_those_of_dense_algebra);
     RUN_TEST(test_lengths_are_those_of_dense_algebra);
     RUN_TEST(test_a_point_of_exact_views_is_where_it_is);

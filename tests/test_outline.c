@@ -273,8 +273,26 @@ static void test_an_arc_that_folds_between_nodes_keeps_its_rows(void)
     }
 }
 
+static void test_a_curve_above_the_image_has_no_rows(void)
+{
+    rigcal_real u[RIGCAL_SPANS_NODES], v[RIGCAL_SPANS_NODES];
+    rigcal_outline curve;
+    int32_t last;
+
+    for (int i = 0; i < RIGCAL_SPANS_NODES; i++) {
+        u[i] = RC(i);
+        v[i] = RC(i - 20);
+    }
+    rc_outline_begin(&curve, 100);
+    rc_outline_add(&curve, u, v);
+    rc_outline_close(&curve);
+    const int32_t first = rc_outline_rows(&last, &curve);
+    TEST_ASSERT_TRUE(last < first);
+}
+
 TEST_MAIN()
 {
+    RUN_TEST(test_a_curve_above_the_image_has_no_rows);
     RUN_TEST(test_the_rows_of_a_circle_are_its_chords);
     RUN_TEST(test_a_row_may_have_several_spans);
     RUN_TEST(test_an_empty_outline_has_no_rows);

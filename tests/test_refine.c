@@ -631,6 +631,9 @@ static void test_a_start_that_the_lens_does_not_see_is_told(void)
         begin_at(&state, &p, is_pole ? 1 : TOL(1e-160, 1e-20));
         rc_refine_step(&state, &p.points, EVALS_MAX);
         ASSERT_STATUS(RIGCAL_ERR_NO_RAY, state.search.status);
+        begin_at(&state, &p, 0); /* exactly in the plane */
+        rc_refine_step(&state, &p.points, EVALS_MAX);
+        ASSERT_STATUS(RIGCAL_ERR_BEHIND, state.search.status);
     }
 }
 

@@ -98,11 +98,34 @@ static void test_the_error_is_observed_less_projected_with_its_derivative(void)
 static void test_a_point_behind_has_no_error(void)
 {
     static const rigcal_real X_c[3] = {RC(0.1), RC(0.2), -1}, uv[2] = {300, 200};
+    static const rigcal_real in_plane[3] = {RC(0.1), RC(0.2), 0};
     for (int which = PINHOLE; which <= BROWN; which++) {
         const rigcal_camera camera = camera_of(which);
         rigcal_real e[2], B[6];
         ASSERT_STATUS(RIGCAL_ERR_BEHIND,
                       rc_residual(e, B, &camera, which == PINHOLE, uv, X_c));
+        ASSERT_STATUS(RIGCAL_ERR_BEHIND,
+                      rc_residual(e, B, &camera, which == PINHOLE, uv, in_plane));
+    }
+}
+
+/* However small the unit of length is. */
+static void test_a_point_just_in_front_has_its_error(void)
+{
+    static const rigcal_real uv[2] = {300, 200};
+    for (int which = PINHOLE; which <= BROWN; which++) {
+        const rigcal_camera camera = camera_of(which);
+        rigcal_real e[2], B[6];
+        double expected[2];
+        for (int k = 0; k < 2; k++) {
+            const rigcal_real unit = k ? RC(1e-15) : 1;
+            const rigcal_real X_c[3] = {unit / 8, unit / 4, unit};
+            ASSERT_STATUS(RIGCAL_OK, rc_residual(e, B, &camera, which == PINHOLE, uv, X_c));
+            if (k == 0) {
+                test_to_double(expected, e, 2);
+            }
+        }
+        ASSERT_ARRAY_NEAR(expected, e, 2, TOL(1e-10, 1e-3));
     }
 }
 
@@ -366,6 +389,7 @@ TEST_MAIN()
 {
     RUN_TEST(test_the_error_is_observed_less_projected_with_its_derivative);
     RUN_TEST(test_a_point_behind_has_no_error);
+    RUN_TEST(test_a_point_just_in_front_has_its_error);
     RUN_TEST(test_along_the_ray_it_is_the_error_to_first_order);
     RUN_TEST(test_along_the_ray_the_derivative_is_that_at_the_ray);
     RUN_TEST(test_sums_by_a_transform_are_those_of_differences);

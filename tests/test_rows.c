@@ -411,15 +411,21 @@ static void test_a_view_agrees_with_differences_through_any_lens(void)
 
 static void test_a_point_behind_the_camera_has_no_row(void)
 {
-    const rigcal_camera camera = lens(0);
+    const rigcal_camera camera = lens(0), pinhole = test_pinhole();
     const double I[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1}, o[3] = {0, 0, 0};
     const rigcal_transform T = test_transform(I, o);
     rc_seen seen = {.a = 0, .b = 1, .n_rows = 2, .sigma_px = 1};
     rc_row rows[2];
+    rc_sight sight;
 
     seen.camera = &camera;
     seen.X[2] = -2;
     ASSERT_STATUS(RIGCAL_ERR_BEHIND, rc_rows_of(rows, &seen, &T, &T));
+    for (int z = -1; z <= 0; z++) { /* behind, then in the plane */
+        const rigcal_real ray[3] = {RC(0.5), 0, RC(z)};
+        ASSERT_STATUS(RIGCAL_ERR_BEHIND, rc_sight_of(&sight, &camera, ray, 1));
+        ASSERT_STATUS(RIGCAL_ERR_BEHIND, rc_sight_of(&sight, &pinhole, ray, 1));
+    }
     seen.X[2] = 2;
     ASSERT_STATUS(RIGCAL_OK, rc_rows_of(rows, &seen, &T, &T));
     seen.uv[1] = RC(1e6); /* so far off that the number of deviations overflows */

@@ -407,8 +407,30 @@ static void test_a_pair_of_one_camera_that_counts_has_no_depth(void)
                    rigcal_transfer_make(&out, &kept, ABC, uv[0], uv[1], NOISE));
 }
 
+/* Sigma^-1 = (2, -1; -1, 2) / (3 unit^2), the offset is (1, 2) units, however small the
+ * unit is. Coordinates of which one determines the other are degenerate in any unit. */
+static void test_a_candidate_has_any_unit_of_pixels(void)
+{
+    for (int k = -1; k <= 1; k++) {
+        const double unit = pow(TOL(1e6, 1e3), k);
+        const rigcal_real uv_c[2] = {RC(unit), RC(2 * unit)};
+        rigcal_transfer out;
+        rigcal_real chi2;
+
+        memset(&out, 0, sizeof out);
+        out.Sigma[0] = out.Sigma[3] = RC(2 * unit * unit);
+        out.Sigma[1] = out.Sigma[2] = RC(unit * unit);
+        ASSERT_STATUS(RIGCAL_OK, rigcal_transfer_test(&chi2, &out, 0, uv_c));
+        ASSERT_NEAR(2, chi2, TOL(1e-12, 1e-5));
+        out.Sigma[1] = out.Sigma[2] = out.Sigma[0];
+        ASSERT_REFUSED(RIGCAL_ERR_DEGENERATE, chi2,
+                       rigcal_transfer_test(&chi2, &out, 0, uv_c));
+    }
+}
+
 TEST_MAIN()
 {
+    RUN_TEST(test_a_candidate_has_any_unit_of_pixels);
     RUN_TEST(test_an_exact_pair_shows_the_point);
     RUN_TEST(test_its_covariance_is_that_of_differences);
     RUN_TEST(test_a_pair_that_is_off_has_the_chi2_of_its_band);

@@ -92,7 +92,7 @@ static void test_depths_of_perfect_views_are_true_from_either_side(void)
 /* The border is at 0.1 degrees. */
 static void test_nearly_parallel_rays_are_refused(void)
 {
-    static const double degrees[5] = {0, 0.05, 0.09, 0.11, 1};
+    static const double degrees[5] = {0, 0.05, 0.0995, 0.1005, 1};
     static const rigcal_transform aside = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {-1, 0, 0}};
 
     for (int i = 0; i < 5; i++) {
@@ -134,6 +134,22 @@ static void test_rays_that_meet_behind_either_camera_are_refused(void)
     ASSERT_REFUSED(RIGCAL_ERR_BEHIND, depth,
                    rigcal_depth_two_views(depth, &miss, &NOTHING, M_A, M_B));
     ASSERT_UNTOUCHED(miss);
+}
+
+/* The rays meet in the centre of a, or of b: a depth of 0 is none. */
+static void test_a_point_in_the_centre_of_a_camera_is_refused(void)
+{
+    static const rigcal_real right[3] = {1, 0, 0}, ahead[3] = {0, 0, 1};
+    rigcal_transform T = NOTHING;
+    rigcal_real depth[2], miss;
+
+    T.t[2] = 2;
+    ASSERT_REFUSED(RIGCAL_ERR_BEHIND, depth,
+                   rigcal_depth_two_views(depth, &miss, &T, right, ahead));
+    T.t[2] = 0;
+    T.t[0] = -2;
+    ASSERT_REFUSED(RIGCAL_ERR_BEHIND, depth,
+                   rigcal_depth_two_views(depth, &miss, &T, right, ahead));
 }
 
 static void test_arguments_of_two_views_are_checked(void)
@@ -227,6 +243,23 @@ static void test_the_longest_baseline_is_accepted(void)
     ASSERT_NEAR(0.5, D(X[2]) / D(RC_COORDINATE_MAX), TOL(1e-9, 1e-4));
     ASSERT_REFUSED(RIGCAL_ERR_RANGE, X,
                    rigcal_depth_aligned(X, 2 * RC_COORDINATE_MAX, left, right));
+}
+
+/* A disparity of at most 4 roundings of the coordinates is none, nor one that puts the
+ * point beyond the range of coordinates. */
+static void test_a_disparity_of_rounding_is_refused(void)
+{
+    const rigcal_real left[2] = {1, 0}, zero[2] = {0, 0}, half[2] = {RC(0.5), 0};
+    const rigcal_real low[2] = {1 - 4 * RC_EPS, 0}, lower[2] = {1 - 5 * RC_EPS, 0};
+    rigcal_real X[3];
+
+    ASSERT_REFUSED(RIGCAL_ERR_PARALLEL, X, rigcal_depth_aligned(X, 1, left, low));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_depth_aligned(X, 1, left, lower));
+    ASSERT_NEAR(1, 5 * D(RC_EPS) * D(X[2]), TOL(1e-12, 1e-6));
+    ASSERT_REFUSED(RIGCAL_ERR_PARALLEL, X,
+                   rigcal_depth_aligned(X, RC_COORDINATE_MAX, half, zero));
+    ASSERT_REFUSED(RIGCAL_ERR_PARALLEL, X,
+                   rigcal_depth_aligned(X, RC_COORDINATE_MAX, left, zero));
 }
 
 static void test_arguments_of_aligned_stereo_are_checked(void)
@@ -716,11 +749,13 @@ TEST_MAIN()
     RUN_TEST(test_depths_of_perfect_views_are_true_from_either_side);
     RUN_TEST(test_nearly_parallel_rays_are_refused);
     RUN_TEST(test_rays_that_meet_behind_either_camera_are_refused);
+    RUN_TEST(test_a_point_in_the_centre_of_a_camera_is_refused);
     RUN_TEST(test_arguments_of_two_views_are_checked);
     RUN_TEST(test_disparity_gives_depth_on_paper);
     RUN_TEST(test_aligned_stereo_agrees_with_two_general_views);
     RUN_TEST(test_no_or_negative_disparity_is_refused);
     RUN_TEST(test_the_longest_baseline_is_accepted);
+    RUN_TEST(test_a_disparity_of_rounding_is_refused);
     RUN_TEST(test_arguments_of_aligned_stereo_are_checked);
     RUN_TEST(test_a_point_of_perfect_views_is_where_it_is);
     RUN_TEST(test_points_of_noisy_views_are_scipys_least_squares);

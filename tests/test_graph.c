@@ -188,10 +188,12 @@ static void test_advice_takes_the_best_connected_camera(void)
     test_rig_see(&r, &rng, 3, 3, 0);
     give_poses(NULL);
     ASSERT_STATUS(RIGCAL_DISCONNECTED, link_all());
+    FILL(advice);
     ASSERT_STATUS(RIGCAL_OK, rigcal_rig_advise(advice, 1, &n, links, &r.rig));
     TEST_ASSERT_EQUAL(1, n);
     TEST_ASSERT_EQUAL_INT32(1, advice[0].a);
     TEST_ASSERT_EQUAL_INT32(3, advice[0].b);
+    ASSERT_UNTOUCHED(advice[1]);
     ASSERT_REFUSED(RIGCAL_ERR_CAPACITY, advice,
                    rigcal_rig_advise(advice, 0, &n, links, &r.rig));
     r.group[2] = 4;

@@ -356,13 +356,16 @@ static void test_the_adjustment_starts_at_the_joined_cameras(void)
     WANTS_RIG;
     for (int trial = 0; trial < TEST_TRIALS(12); trial++) {
         test_rig_random(&r, &rng, 4, 3, 6);
+        if (trial % 2) { /* camera 1 or 3, and no camera is at the origin */
+            r.true_cams[0] = test_moved(&r.true_cams[0], OFF_THE_TRUTH);
+            r.roles[trial % 4] = RIGCAL_CAMERA_HELD;
+            r.rig.roles = r.roles;
+        }
         for (int f = 0; f < 3; f++) {
             test_rig_see(&r, &rng, f, f, 0);
             test_rig_see(&r, &rng, f + 1, f, 0);
         }
         give_true_poses(STRENGTHS[trial % 3]);
-        r.roles[trial % 4] = RIGCAL_CAMERA_HELD;
-        r.rig.roles = (trial % 2) ? r.roles : NULL;
         (void)join_to_start(&solver);
         assert_joined();
     }
@@ -540,6 +543,9 @@ static void test_a_source_that_fails_ends_the_join(void)
     ASSERT_STATUS(RIGCAL_OK, join());
     assert_joined();
     n = calls;
+    r.rig.view_pose_source = NULL;
+    ASSERT_STATUS(RIGCAL_ERR_NULL, join());
+    r.rig.view_pose_source = pose_that_fails;
     for (fails_at = 1; fails_at <= n; fails_at++) {
         int32_t at_fault = -2;
 

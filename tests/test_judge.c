@@ -287,6 +287,32 @@ static void test_the_only_right_view_of_a_camera_stays_if_its_pose_is_known(void
     }
 }
 
+/* One view is shifted by some pixels. A little is noise; a view that may be wrong is left
+ * out to see, and comes back by a third adjustment; what is named is left out of a second
+ * one; what the choice has left out is in none. */
+static void test_the_rig_is_adjusted_no_more_than_it_takes(void)
+{
+    enum { SHIFTED = 13 };
+    static const struct {
+        double px;
+        int32_t adjustments, n_fit;
+    } CASES[4] = {{0.3, 1, 32}, {0.65, 3, 32}, {2, 2, 31}, {10, 1, 31}};
+
+    WANTS_BOARDS(1);
+    for (int k = 0; k < 4; k++) {
+        test_rng rng = test_seed(1700);
+
+        test_boards_make(&b, &rng, 4, 8, 4, NOISE, 0);
+        for (int i = 0; i < BOARD_POINTS; i++) {
+            b.o[SHIFTED][i].uv[0] += RC(CASES[k].px);
+        }
+        ASSERT_STATUS(CASES[k].n_fit < 32 ? RIGCAL_VIEWS_LEFT_OUT : RIGCAL_OK, judge(&b));
+        TEST_ASSERT_EQUAL_INT32(CASES[k].adjustments, b.judgement.adjustments);
+        TEST_ASSERT_EQUAL_INT32(CASES[k].n_fit, b.judgement.n_fit);
+        TEST_ASSERT_EQUAL_INT(CASES[k].n_fit < 32, is_named(&b, SHIFTED));
+    }
+}
+
 /* ---- what cannot be known -------------------------------------------------- */
 
 static void test_of_two_views_that_contradict_each_other_both_are_named(void)
@@ -428,6 +454,44 @@ static void test_the_same_bits_whatever_the_budgets(void)
     }
 }
 
+static size_t calls, fails_at, failed;
+
+static rigcal_status pose_that_fails(rigcal_view_pose *pose, size_t index, void *context)
+{
+    (void)context;
+    *pose = b.own[index];
+    failed = index;
+    return (++calls == fails_at) ? RIGCAL_ERR_DAMAGED : RIGCAL_OK;
+}
+
+/* At fault is no view, or one of the placement whose view failed. */
+static void test_a_source_that_fails_ends_the_judgement(void)
+{
+    test_rng rng = test_seed(1810);
+    size_t n = 1;
+
+    WANTS_BOARDS(2);
+    test_boards_make(&b, &rng, 2, 3, 2, NOISE, 0);
+    test_boards_solve(&b);
+    TEST_ASSERT_TRUE(rigcal_rig_choose(&b.choice, NULL, &b.rig) >= 0);
+    b.rig.view_poses = NULL;
+    b.rig.view_pose_source = pose_that_fails;
+    other = b;
+    for (fails_at = 0; fails_at <= n; fails_at++) {
+        int32_t at_fault = -2;
+
+        b = other;
+        calls = 0;
+        ASSERT_STATUS(fails_at ? RIGCAL_ERR_DAMAGED : RIGCAL_OK,
+                      rigcal_rig_judge(&b.judgement, &at_fault, b.judged, b.left_out,
+                                       &b.choice, &b.rig));
+        TEST_ASSERT_TRUE(at_fault == -1 ||
+                         (at_fault >= 0 && at_fault / 2 == (int32_t)failed / 2));
+        TEST_ASSERT_EQUAL_size_t(fails_at ? fails_at : calls, calls);
+        n = fails_at ? n : calls;
+    }
+}
+
 static void test_what_cannot_be_judged_is_refused(void)
 {
     static rigcal_judge_solver solver;
@@ -478,10 +542,12 @@ TEST_MAIN()
     RUN_TEST(test_wrong_views_that_were_joined_are_named);
     RUN_TEST(test_a_named_view_does_not_touch_the_rig);
     RUN_TEST(test_the_only_right_view_of_a_camera_stays_if_its_pose_is_known);
+    RUN_TEST(test_the_rig_is_adjusted_no_more_than_it_takes);
     RUN_TEST(test_of_two_views_that_contradict_each_other_both_are_named);
     RUN_TEST(test_a_view_that_nobody_shares_is_unchecked);
     RUN_TEST(test_a_view_that_nobody_shares_is_unchecked_if_it_is_left_out_too);
     RUN_TEST(test_a_second_pose_is_taken_up);
     RUN_TEST(test_the_same_bits_whatever_the_budgets);
+    RUN_TEST(test_a_source_that_fails_ends_the_judgement);
     RUN_TEST(test_what_cannot_be_judged_is_refused);
 }

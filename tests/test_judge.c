@@ -12,18 +12,25 @@ static test_boards b, other;
 
 #define WANTS_BOARDS(n) TEST_WANTS_RAM((n) * sizeof(test_boards) + 20000)
 
-/* Solves, chooses and judges. Returns the status of the last. */
-static rigcal_status judge(test_boards *which)
+/* Solves, chooses and judges. Returns the status of the last. sigma_px: 0: that of the
+ * choice. */
+static rigcal_status judge_by(test_boards *which, double sigma_px)
 {
     int32_t at_fault = -2;
     rigcal_status status;
 
     test_boards_solve(which);
     TEST_ASSERT_TRUE(rigcal_rig_choose(&which->choice, &at_fault, &which->rig) >= 0);
+    which->choice.sigma_px = sigma_px > 0 ? RC(sigma_px) : which->choice.sigma_px;
     status = rigcal_rig_judge(&which->judgement, &at_fault, which->judged, which->left_out,
                               &which->choice, &which->rig);
     TEST_ASSERT_EQUAL_INT32(-1, at_fault);
     return status;
+}
+
+static rigcal_status judge(test_boards *which)
+{
+    return judge_by(which, 0);
 }
 
 static int is_named(const test_boards *which, size_t v)
@@ -200,6 +207,50 @@ static void test_a_camera_that_is_late_is_left_out(void)
     }
     TEST_ASSERT_EQUAL_INT(n.wrong, n.wrong_named);
     TEST_ASSERT_EQUAL_INT(0, n.right_named);
+}
+
+/* All views of camera 3 are wrong. The limit is as if there were only the other cameras,
+ * also where a prior says where it is. */
+static void test_a_camera_that_is_left_out_does_not_count_for_the_limit(void)
+{
+    enum { WRONG = 3 };
+    static rigcal_camera_prior priors[4];
+
+    WANTS_BOARDS(2);
+    for (int has_prior = 0; has_prior < 2; has_prior++) {
+        const uint8_t roles[4] = {RIGCAL_CAMERA_HELD, 0, 0,
+                                  has_prior ? RIGCAL_CAMERA_PRIOR : RIGCAL_CAMERA_FREE};
+        size_t n = 0;
+        test_rng rng = test_seed(1510);
+
+        test_boards_make(&b, &rng, 4, 10, 4, NOISE, 2);
+        for (int f = 9; f >= 0; f--) {
+            test_boards_replace(&b, test_boards_view(&b, WRONG, f),
+                                test_boards_view(&b, 0, (3 * f + 1) % 10));
+        }
+        rng = test_seed(1510);
+        test_boards_make(&other, &rng, 4, 10, 4, NOISE, 2);
+        for (size_t v = 0; v < other.rig.n_views; v++) {
+            if (other.views[v].camera != WRONG) {
+                other.views[n++] = other.views[v];
+            }
+        }
+        other.rig.n_views = n;
+        other.rig.n_cameras = 3;
+        priors[WRONG].cam_from_rig = b.true_cams[WRONG];
+        for (int k = 0; k < 6; k++) {
+            priors[WRONG].Sigma[7 * k] = RC(1e-4);
+        }
+        b.rig.roles = other.rig.roles = roles;
+        b.rig.priors = other.rig.priors = priors;
+        b.rig.sigma_px = other.rig.sigma_px = RC(NOISE);
+        TEST_ASSERT_TRUE(judge_by(&b, NOISE) > 0);
+        ASSERT_STATUS(RIGCAL_OK, judge_by(&other, NOISE));
+        TEST_ASSERT_EQUAL_INT32(10, b.judgement.n_contradict);
+        TEST_ASSERT_TRUE(D(other.judgement.scale) > 1.5);
+        ASSERT_NEAR(other.judgement.scale, b.judgement.scale,
+                    TOL(1e-6, 1e-3) * D(other.judgement.scale));
+    }
 }
 
 /* Wrong views that the joiner took for right bend the rig. The view with the largest cost
@@ -539,6 +590,7 @@ TEST_MAIN()
     RUN_TEST(test_reversed_views_are_named);
     RUN_TEST(test_views_of_swapped_cameras_are_named);
     RUN_TEST(test_a_camera_that_is_late_is_left_out);
+    RUN_TEST(test_a_camera_that_is_left_out_does_not_count_for_the_limit);
     RUN_TEST(test_wrong_views_that_were_joined_are_named);
     RUN_TEST(test_a_named_view_does_not_touch_the_rig);
     RUN_TEST(test_the_only_right_view_of_a_camera_stays_if_its_pose_is_known);

@@ -316,6 +316,17 @@ static void test_what_has_no_deviation_does_not_move(void)
     assert_minimum();
 }
 
+static void test_a_single_number_is_estimated(void)
+{
+    WANTS;
+    make(8822);
+    for (int c = 0; c < CAMERAS; c++) {
+        sigmas[c] = (rigcal_intrinsics_sigma){.k1 = c == 2 ? sigmas[c].k1 : 0};
+    }
+    (void)settle(TOL(1e-4, 2e-2));
+    assert_minimum();
+}
+
 static void test_without_any_deviation_the_covariance_is_that_of_pixels(void)
 {
     rigcal_real plain[36], with[36];
@@ -409,6 +420,7 @@ TEST_MAIN()
     RUN_TEST(test_the_answer_is_that_of_dense_least_squares);
     RUN_TEST(test_it_settles_in_a_few_rounds);
     RUN_TEST(test_what_has_no_deviation_does_not_move);
+    RUN_TEST(test_a_single_number_is_estimated);
     RUN_TEST(test_without_any_deviation_the_covariance_is_that_of_pixels);
     RUN_TEST(test_what_cannot_be_is_refused);
     RUN_TEST(test_a_camera_is_changed_or_left_as_it_is);

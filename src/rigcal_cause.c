@@ -64,7 +64,7 @@ static rigcal_status place_by_others(rc_claim *placement, const rigcal_cause_sol
     const rigcal_rig *const rig = s->rig;
     rigcal_real g[6], H[21], Sigma[36];
     rc_chain chain;
-    size_t v = 0, kept = 0;
+    size_t v = 0;
     rigcal_status status = first_of(&v, rig, f);
     placement->view = -1;
     rc_rigid_clear(g, H);
@@ -83,10 +83,9 @@ static rigcal_status place_by_others(rc_claim *placement, const rigcal_cause_sol
         if (!rc_rig_is_left_out(rig, v)) {
             chain.R_c = rig->cams_from_rig[own.camera].R;
             rc_chain_add_placement(g, H, &chain, NONE, own.information);
-            kept++;
         }
     }
-    if (status == RIGCAL_OK && kept > 0 && rc_sym6_invert(Sigma, H)) {
+    if (status == RIGCAL_OK && rc_sym6_invert(Sigma, H)) { /* not if none is kept: H = 0 */
         rc_sym6_pack(placement->Sigma, Sigma);
         placement->b_from_a = rig->rig_from_placements[f];
     }
@@ -248,7 +247,7 @@ static void compare_view(rigcal_cause_solver *s)
 static void turn(rigcal_view_pose *own, const rigcal_transform *target_from_turned)
 {
     const rigcal_transform before = own->cam_from_target;
-    rigcal_real g[6] = {0, 0, 0, 0, 0, 0}, W[36];
+    rigcal_real g[6] = {0}, W[36];
     rc_chain chain;
     rc_transform_compose(&own->cam_from_target, &before, target_from_turned);
     chain.R_c = before.R;

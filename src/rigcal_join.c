@@ -143,8 +143,9 @@ static int begin_placement(rigcal_rig_solver *s, const rc_rig_parts *parts)
 
 static void begin_round(rigcal_rig_solver *s, const rc_rig_parts *parts)
 {
-    for (size_t c = 0; c < s->rig->n_cameras; c++) {
-        candidates_of(parts)[c].information = 0;
+    candidate *const best = candidates_of(parts);
+    for (size_t c = s->rig->n_cameras; c > 0; c--) {
+        best[c - 1].information = 0;
     }
     s->view = s->placement = 0;
     (void)begin_placement(s, parts);

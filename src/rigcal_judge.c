@@ -139,7 +139,7 @@ static void adjust_without(rigcal_judge_solver *s, const rc_rig_parts *parts, ui
 static void name_worst(rigcal_judge_solver *s, const rc_rig_parts *parts)
 {
     size_t first = 0, most = 0, n = 0;
-    s->tried_cost = 0;
+    rigcal_real highest = 0;
     for (size_t f = 0; f < s->rig->n_placements; f++) {
         const size_t end_of = first + rc_rig_views_of(parts, f);
         rigcal_real cost = -1;
@@ -154,17 +154,16 @@ static void name_worst(rigcal_judge_solver *s, const rc_rig_parts *parts)
             s->left_out[worst] = OUT;
             n++;
         }
-        if (cost > s->tried_cost) {
-            s->tried_cost = cost;
+        if (cost > highest) {
+            highest = cost;
             most = worst;
         }
         first = end_of;
     }
-    const int is_trial = n == 0 && s->tried_cost > RC_COST_LIMIT;
+    const int is_trial = n == 0 && highest > RC_COST_LIMIT;
+    s->tried_cost = is_trial ? highest : 0;
     if (is_trial) {
         s->left_out[most] = OUT_TO_SEE;
-    } else {
-        s->tried_cost = 0;
     }
     if (n > 0 || is_trial) {
         adjust_without(s, parts, is_trial ? OUT_TO_SEE : OUT);

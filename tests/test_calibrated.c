@@ -269,6 +269,50 @@ static void test_what_cannot_be_taken_is_refused_and_nothing_written(void)
     assert_not_taken(RIGCAL_ERR_STATE, 1);
 }
 
+/* Two cameras see the target; all others of the rig are held as well. */
+static void test_the_most_cameras_are_taken(void)
+{
+    enum { MOST = 65535 };
+    rigcal_calibrated_rig most = {0};
+    test_rng rng = test_seed(362);
+
+    TEST_ON_HOST_ONLY("it takes 70 MB");
+    test_rig_random(&r, &rng, 2, 1, 8);
+    test_rig_see_all(&r, &rng, 0.3);
+    r.rig.work_capacity = rigcal_rig_work(0, MOST + 1, 1);
+    r.rig.work = malloc(r.rig.work_capacity * sizeof *r.rig.work);
+    r.rig.cams_from_rig = malloc((MOST + 1) * sizeof *r.rig.cams_from_rig);
+    r.rig.group = malloc((MOST + 1) * sizeof *r.rig.group);
+    uint8_t *const roles = malloc(MOST + 1);
+    most.cameras = calloc(MOST + 1, sizeof *most.cameras);
+    most.group = malloc((MOST + 1) * sizeof *most.group);
+    most.held = malloc(MOST + 1);
+    most.capacity = MOST + 1;
+    most.Sigma = Sigma;
+    TEST_ASSERT_TRUE(r.rig.work && r.rig.cams_from_rig && r.rig.group && roles &&
+                     most.cameras && most.group && most.held);
+    for (size_t c = 0; c <= MOST; c++) {
+        r.rig.cams_from_rig[c] = r.true_cams[c % 2];
+        roles[c] = RIGCAL_CAMERA_HELD;
+    }
+    r.rig.roles = roles;
+    for (int more = 1; more >= 0; more--) {
+        r.rig.n_cameras = (size_t)(MOST + more);
+        TEST_ASSERT_TRUE(rigcal_rig_adjust(&fit, NULL, &r.rig) >= 0);
+        ASSERT_STATUS(more ? RIGCAL_ERR_RANGE : RIGCAL_OK,
+                      rigcal_calibrated_take(&most, &r.rig, &fit, 1));
+        TEST_ASSERT_EQUAL_size_t(more ? 0 : MOST, most.n_cameras);
+    }
+    TEST_ASSERT_EQUAL_UINT8(1, most.held[MOST - 1]);
+    free(most.held);
+    free(most.group);
+    free(most.cameras);
+    free(roles);
+    free(r.rig.group);
+    free(r.rig.cams_from_rig);
+    free(r.rig.work);
+}
+
 /* A line for each thing that a caller may have filled in wrongly. */
 static void test_a_rig_that_is_not_valid_is_not_asked(void)
 {
@@ -479,6 +523,7 @@ TEST_MAIN()
     RUN_TEST(test_cameras_of_two_groups_have_no_pair);
     RUN_TEST(test_without_a_fit_the_closure_is_not_known);
     RUN_TEST(test_what_cannot_be_taken_is_refused_and_nothing_written);
+    RUN_TEST(test_the_most_cameras_are_taken);
     RUN_TEST(test_a_rig_that_is_not_valid_is_not_asked);
     RUN_TEST(test_too_many_free_cameras_are_refused);
     RUN_TEST(test_a_rig_of_too_many_cameras_is_not_taken);

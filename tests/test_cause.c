@@ -423,6 +423,30 @@ static void test_a_few_views_that_are_late_are_not_the_camera(void)
     TEST_ASSERT_EQUAL_INT32(RIGCAL_CAUSE_UNKNOWN, cause.cause);
 }
 
+/* The only view of camera 2 is of a placement that nobody else saw, so it agrees with one
+ * camera that is late, and with one that is early. One view is not most views. */
+static void test_a_single_view_does_not_say_that_its_camera_is_late(void)
+{
+    enum { F = 4 };
+    size_t n = 0;
+
+    WANTS_BOARDS;
+    make(4070, 3, 8);
+    TEST_ASSERT_TRUE(judged() >= 0);
+    for (size_t v = 0; v < b.rig.n_views; v++) {
+        if ((b.views[v].camera == 2) == (b.views[v].placement == F)) {
+            b.views[n] = b.views[v];
+            b.own[n] = b.own[v];
+            b.left_out[n++] = b.left_out[v];
+        }
+    }
+    b.rig.n_views = n;
+    const rigcal_cause cause = camera_cause(2);
+    TEST_ASSERT_EQUAL_INT32(RIGCAL_CAUSE_UNKNOWN, cause.cause);
+    TEST_ASSERT_EQUAL_INT32(0, cause.n_agree);
+    TEST_ASSERT_EQUAL_INT32(0, cause.n_views);
+}
+
 /* No turn can be found for a view whose pixels are no image of the target, for one without
  * pixels, and for one whose points are too far from their origin to show their
  * directions. */
@@ -646,6 +670,7 @@ TEST_MAIN()
     RUN_TEST(test_of_a_target_that_goes_to_and_fro_the_shift_of_a_camera_is_open);
     RUN_TEST(test_of_a_target_that_stands_still_no_camera_is_late);
     RUN_TEST(test_a_few_views_that_are_late_are_not_the_camera);
+    RUN_TEST(test_a_single_view_does_not_say_that_its_camera_is_late);
     RUN_TEST(test_a_view_that_cannot_be_solved_has_no_cause);
     RUN_TEST(test_against_a_view_that_knows_no_turn_there_is_no_cause);
     RUN_TEST(test_poses_may_come_from_a_source);

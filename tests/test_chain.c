@@ -201,10 +201,32 @@ static void test_a_deviation_is_what_moves_one_pose_to_the_other(void)
     }
 }
 
+/* No step undoes half a turn: it counts as pi, whatever its axis. */
+static void test_a_deviation_of_half_a_turn_is_pi(void)
+{
+    static const double AXES[4][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0.6, 0, 0.8}};
+    test_rng rng = test_seed(305);
+
+    for (int k = 0; k < 4; k++) {
+        const rigcal_transform from = test_random_transform(&rng);
+        const double move[6] = {
+            AXES[k][0] * TEST_PI, AXES[k][1] * TEST_PI, AXES[k][2] * TEST_PI, 1, -2, 3};
+        const double expected[6] = {TEST_PI, 0, 0, 1, -2, 3};
+        const rigcal_transform to = test_moved(&from, move);
+        rigcal_real d[7];
+
+        FILL(d);
+        rc_deviation(d, &to, &from);
+        ASSERT_ARRAY_NEAR(expected, d, 6, TOL(2e-14, 3e-6));
+        ASSERT_UNTOUCHED(d[6]);
+    }
+}
+
 TEST_MAIN()
 {
     RUN_TEST(test_a_chain_is_the_product);
     RUN_TEST(test_equations_of_a_placement_are_those_of_differences);
     RUN_TEST(test_equations_of_a_camera_are_those_of_differences);
     RUN_TEST(test_a_deviation_is_what_moves_one_pose_to_the_other);
+    RUN_TEST(test_a_deviation_of_half_a_turn_is_pi);
 }

@@ -504,6 +504,25 @@ static void test_intrinsics_act_through_clocks_too(void)
     ASSERT_STATUS(RIGCAL_ERR_CAPACITY, rigcal_rig_consider(&considered, NULL, &moving.rig));
 }
 
+/* All unknowns and all deviations take exactly the memory that the macros say. */
+static void test_with_clocks_the_memory_is_enough(void)
+{
+    enum { EXACT = RIGCAL_CONSIDER_WORK(2, 3) + RIGCAL_CONSIDER_CLOCKS_WORK(3) };
+
+    TEST_ON_HOST_ONLY("a rig of 60 views is adjusted");
+    make_moving(1, 0);
+    FILL(with_clocks);
+    considered.capacity = EXACT;
+    ASSERT_STATUS(RIGCAL_OK, rigcal_rig_consider(&considered, NULL, &moving.rig));
+    TEST_ASSERT_EQUAL_UINT64(12, considered.n);
+    TEST_ASSERT_EQUAL_UINT64(18, considered.k);
+    for (size_t k = EXACT; k < CLOCKS_WORK; k++) {
+        ASSERT_UNTOUCHED(with_clocks[k]);
+    }
+    considered.capacity = EXACT - 1;
+    ASSERT_STATUS(RIGCAL_ERR_CAPACITY, rigcal_rig_consider(&considered, NULL, &moving.rig));
+}
+
 /* With the lens of one camera alone, the variance of a placement is the effect of a smaller
  * lens. */
 static void test_intrinsics_act_on_placements_of_a_rig_with_clocks(void)
@@ -669,6 +688,10 @@ static void test_the_budget_changes_no_bit(void)
         ASSERT_STATUS(RIGCAL_OK, rigcal_consider_begin(&solver, &considered, &r.rig));
         TEST_ASSERT_NULL(r.rig.considered);
         ASSERT_STATUS(RIGCAL_ERR_STATE, rigcal_consider_result(&at_fault, &solver));
+        TEST_ASSERT_EQUAL_INT32(-1, at_fault);
+        at_fault = -2;
+        ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_consider_result(&at_fault, NULL));
+        TEST_ASSERT_EQUAL_INT32(-1, at_fault);
         while (rigcal_consider_step(&solver, budget) == RIGCAL_RUNNING) {
         }
         ASSERT_STATUS(RIGCAL_OK, rigcal_consider_result(&at_fault, &solver));
@@ -782,6 +805,7 @@ TEST_MAIN()
     RUN_TEST(test_a_prior_holds_against_intrinsics);
     RUN_TEST(test_other_intrinsics_move_the_adjusted_rig_by_the_effects);
     RUN_TEST(test_intrinsics_act_through_clocks_too);
+    RUN_TEST(test_with_clocks_the_memory_is_enough);
     RUN_TEST(test_intrinsics_act_on_placements_of_a_rig_with_clocks);
     RUN_TEST(test_many_steps_are_taken);
     RUN_TEST(test_deviations_of_zero_change_no_bit);

@@ -146,6 +146,45 @@ static void judge(void)
         rigcal_rig_judge(&b.judgement, NULL, b.judged, b.left_out, &b.choice, &b.rig) >= 0);
 }
 
+/* A view that is left out also costs what the sum falls by without it, to first order. Its
+ * cost is divided by the limit of the choice. */
+static void test_a_view_that_is_left_out_costs_what_the_sum_would_fall_by(void)
+{
+    enum { F = 2 };
+    static const double LIMIT_OF_CHOICE = 30;
+
+    TEST_WANTS_RAM(sizeof(test_boards) + 20000);
+    if (RIGCAL_USE_FLOAT) {
+        TEST_IGNORE_MESSAGE("differences of poses in float are too coarse");
+    }
+    for (int n_cameras = 2; n_cameras <= 3; n_cameras++) {
+        test_rng rng = test_seed(902);
+        test_data data = {&b.camera, NULL, NULL, BOARD_POINTS};
+        test_fitted own;
+
+        test_boards_make(&b, &rng, n_cameras, 6, n_cameras, NOISE, 0);
+        const size_t v = (size_t)test_boards_view(&b, 0, F);
+        for (int i = 0; i < BOARD_POINTS; i++) {
+            b.o[v][i].uv[0] += RC(n_cameras == 2 ? 15 : 5);
+        }
+        judge();
+        TEST_ASSERT_EQUAL_UINT8(1, b.left_out[v]);
+        TEST_ASSERT_EQUAL_UINT8(n_cameras == 2, b.left_out[v + 1]);
+        data.observations = b.o[v];
+        test_transform_parts(own.R, own.t, &b.own[v].cam_from_target);
+        TEST_ASSERT_TRUE(test_fit(&own, &data));
+        const double falls = least_without(&b.places[F], F, b.rig.n_views) - own.sse -
+                             least_without(&b.places[F], F, v);
+        const double unit = LIMIT_OF_CHOICE * D(b.judgement.scale) * NOISE * NOISE;
+        ASSERT_NEAR(falls, unit * D(b.judged[v].cost), 0.05 * falls);
+        if (n_cameras == 2) { /* no view says where the placement is */
+            ASSERT_NEAR(-1, b.judged[v].rms_px, 0);
+            ASSERT_NEAR(-1, b.judged[v + 1].rms_px, 0);
+            ASSERT_NEAR(falls, unit * D(b.judged[v + 1].cost), 0.05 * falls);
+        }
+    }
+}
+
 /* Placements that nobody saw, in the middle and at the end, change no cost. */
 static void test_placements_without_views_cost_nothing(void)
 {
@@ -228,6 +267,7 @@ TEST_MAIN()
 {
     RUN_TEST(test_a_view_costs_what_the_sum_falls_by_without_it);
     RUN_TEST(test_costs_of_noise_are_chi_squared);
+    RUN_TEST(test_a_view_that_is_left_out_costs_what_the_sum_would_fall_by);
     RUN_TEST(test_placements_without_views_cost_nothing);
     RUN_TEST(test_a_view_of_what_is_behind_its_camera_has_no_error);
 }

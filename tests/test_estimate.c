@@ -316,6 +316,17 @@ static void test_what_has_no_deviation_does_not_move(void)
     assert_minimum();
 }
 
+static void test_a_single_number_is_estimated(void)
+{
+    WANTS;
+    make(8822);
+    for (int c = 0; c < CAMERAS; c++) {
+        sigmas[c] = (rigcal_intrinsics_sigma){.k1 = c == 2 ? sigmas[c].k1 : 0};
+    }
+    (void)settle(TOL(1e-4, 2e-2));
+    assert_minimum();
+}
+
 static void test_without_any_deviation_the_covariance_is_that_of_pixels(void)
 {
     rigcal_real plain[36], with[36];
@@ -331,7 +342,7 @@ static void test_without_any_deviation_the_covariance_is_that_of_pixels(void)
     ASSERT_NEAR(0, estimated.step, 0);
 }
 
-static void assert_refused(rigcal_status expected, double sigma_px)
+static void assert_refused_at(int32_t at, rigcal_status expected, double sigma_px)
 {
     rigcal_intrinsics_change kept[CAMERAS];
     int32_t at_fault = -2;
@@ -342,6 +353,12 @@ static void assert_refused(rigcal_status expected, double sigma_px)
                   rigcal_rig_estimate(&estimated, &at_fault, &r.rig, RC(sigma_px)));
     TEST_ASSERT_EQUAL_MEMORY(kept, change, sizeof kept);
     TEST_ASSERT_NULL(r.rig.considered);
+    TEST_ASSERT_EQUAL_INT32(at, at_fault);
+}
+
+static void assert_refused(rigcal_status expected, double sigma_px)
+{
+    assert_refused_at(-1, expected, sigma_px);
 }
 
 static void test_what_cannot_be_is_refused(void)
@@ -358,13 +375,13 @@ static void test_what_cannot_be_is_refused(void)
     assert_refused(RIGCAL_ERR_RANGE, -1);
     assert_refused(RIGCAL_ERR_NOT_FINITE, (double)TEST_NAN);
     made[1].k1 = TEST_INF;
-    assert_refused(RIGCAL_ERR_NOT_FINITE, 0.3);
+    assert_refused_at(1, RIGCAL_ERR_NOT_FINITE, 0.3);
     made[1].k1 = 0;
     r.rig.clocks = &clocks;
     assert_refused(RIGCAL_ERR_STATE, 0.3);
     r.rig.clocks = NULL;
     r.o[4][3].uv[1] = TEST_NAN;
-    assert_refused(RIGCAL_ERR_NOT_FINITE, 0.3);
+    assert_refused_at(4, RIGCAL_ERR_NOT_FINITE, 0.3);
     make(8841);
     adjust();
     TEST_ASSERT_EQUAL_UINT64(WORK, rigcal_estimate_work(CAMERAS, CAMERAS));
@@ -403,6 +420,7 @@ TEST_MAIN()
     RUN_TEST(test_the_answer_is_that_of_dense_least_squares);
     RUN_TEST(test_it_settles_in_a_few_rounds);
     RUN_TEST(test_what_has_no_deviation_does_not_move);
+    RUN_TEST(test_a_single_number_is_estimated);
     RUN_TEST(test_without_any_deviation_the_covariance_is_that_of_pixels);
     RUN_TEST(test_what_cannot_be_is_refused);
     RUN_TEST(test_a_camera_is_changed_or_left_as_it_is);

@@ -188,10 +188,12 @@ static void test_advice_takes_the_best_connected_camera(void)
     test_rig_see(&r, &rng, 3, 3, 0);
     give_poses(NULL);
     ASSERT_STATUS(RIGCAL_DISCONNECTED, link_all());
+    FILL(advice);
     ASSERT_STATUS(RIGCAL_OK, rigcal_rig_advise(advice, 1, &n, links, &r.rig));
     TEST_ASSERT_EQUAL(1, n);
     TEST_ASSERT_EQUAL_INT32(1, advice[0].a);
     TEST_ASSERT_EQUAL_INT32(3, advice[0].b);
+    ASSERT_UNTOUCHED(advice[1]);
     ASSERT_REFUSED(RIGCAL_ERR_CAPACITY, advice,
                    rigcal_rig_advise(advice, 0, &n, links, &r.rig));
     r.group[2] = 4;
@@ -236,6 +238,28 @@ static void test_the_weakest_link(void)
                   rigcal_rig_pair(&b_from_a, S, &r.rig, RC(0.3), 2, (size_t)weakest.other));
     ASSERT_NEAR(sqrt(D(S[21]) + D(S[28]) + D(S[35])), weakest.translation,
                 TOL(1e-12, 1e-6));
+}
+
+/* Cameras 0 and 1 are held side by side, so camera 2 is as sure to one as to the other. */
+static void test_of_two_that_are_as_sure_the_first_is_told(void)
+{
+    test_rng rng = test_seed(507);
+    rigcal_weakest weakest;
+    rigcal_rig_fit fit;
+
+    WANTS_RIG;
+    test_rig_random(&r, &rng, 3, 4, 8);
+    r.true_cams[1] = r.true_cams[0];
+    r.true_cams[1].t[0] = RC(0.5);
+    r.cams[1] = r.true_cams[1];
+    test_rig_see_all(&r, &rng, 0.3);
+    r.roles[0] = r.roles[1] = RIGCAL_CAMERA_HELD;
+    r.rig.roles = r.roles;
+    ASSERT_STATUS(RIGCAL_OK, rigcal_rig_adjust(&fit, NULL, &r.rig));
+    r.group[3] = r.group[0]; /* of no camera of the rig */
+    ASSERT_STATUS(RIGCAL_OK, rigcal_rig_weakest(&weakest, &r.rig, RC(0.3)));
+    TEST_ASSERT_EQUAL_INT32(2, weakest.camera);
+    TEST_ASSERT_EQUAL_INT32(0, weakest.other);
 }
 
 static void test_no_two_cameras_no_weakest_link(void)
@@ -294,6 +318,7 @@ TEST_MAIN()
     RUN_TEST(test_advice_connects_every_rig);
     RUN_TEST(test_advice_takes_the_best_connected_camera);
     RUN_TEST(test_the_weakest_link);
+    RUN_TEST(test_of_two_that_are_as_sure_the_first_is_told);
     RUN_TEST(test_no_two_cameras_no_weakest_link);
     RUN_TEST(test_what_is_refused);
 }

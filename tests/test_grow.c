@@ -405,6 +405,29 @@ static void test_views_that_contradict_each_other(void)
     }
 }
 
+/* Two cameras share two placements: the least that can contradict each other. */
+static void test_two_placements_can_contradict_each_other(void)
+{
+    test_rng rng = test_seed(557);
+
+    WANTS_RIG;
+    for (int is_wrong = 0; is_wrong < 2; is_wrong++) {
+        simulate(&rng, 2, 2, 10, 1);
+        for (size_t v = 0; v < 4; v++) {
+            const int32_t c = t.own[v].camera, f = t.own[v].placement;
+
+            t.own[v].cam_from_target = test_times(&t.true_cams[c], &t.true_places[f]);
+            t.second[v].n = 0;
+        }
+        if (is_wrong) {
+            t.own[3].cam_from_target =
+                t.own[1].cam_from_target; /* as if it had not moved */
+        }
+        ASSERT_STATUS(is_wrong ? RIGCAL_ERR_CONTRADICTION : RIGCAL_OK, choose());
+        ASSERT_NEAR(!is_wrong, t.choice.share, 0);
+    }
+}
+
 /* All views of camera 2 are wrong. Cameras 0 and 1 are both right in n_right of n
  * placements. */
 static rigcal_status choose_two_of_three(uint64_t seed, int n_right, int n)
@@ -721,6 +744,63 @@ static void test_many_cameras_and_two_that_are_alike(void)
                      TOL(1e-8, 1e-2));
 }
 
+/* How many other links of camera a come before its link to b: those of more information,
+ * and of equal ones those to lower cameras. */
+static int rank_of(const rigcal_link links[], int n_cameras, int a, int b)
+{
+    int rank = 0;
+
+    for (int d = 0; d < n_cameras; d++) {
+        if (d != a && d != b) {
+            const double link =
+                D(links[a < b ? RIGCAL_LINK(a, b) : RIGCAL_LINK(b, a)].information);
+            const double its =
+                D(links[a < d ? RIGCAL_LINK(a, d) : RIGCAL_LINK(d, a)].information);
+
+            rank += its > link || (!(its < link) && d < b);
+        }
+    }
+    return rank;
+}
+
+/* A pair is scored if it is among the three best of one of its cameras. Every hypothesis of
+ * a pair could agree with its three other placements. */
+static void test_the_best_three_pairs_of_each_camera_are_scored(void)
+{
+    static rigcal_link links[RIGCAL_LINKS(MANY)];
+    test_rng rng = test_seed(558);
+    rigcal_choose_solver solver;
+    int32_t n_groups;
+    int pairs = 0;
+
+    TEST_ON_HOST_ONLY("memory of twelve cameras");
+    many.distance = 10;
+    many.share_seen = 1;
+    many.noise_px = 0.3;
+    test_tags_random(&many, &rng, MANY, 4);
+    test_tags_solve(&many);
+    for (size_t v = 0; v < many.rig.n_views; v++) { /* some cameras are alike */
+        const size_t from = v - (size_t)(many.own[v].camera % 3);
+        const rigcal_view_pose own = many.own[v];
+
+        many.own[v] = many.own[from];
+        many.own[v].camera = own.camera;
+        many.second[v].n = 0;
+    }
+    ASSERT_STATUS(RIGCAL_OK,
+                  rigcal_rig_links(links, RIGCAL_LINKS(MANY), &n_groups, NULL, &many.rig));
+    for (int a = 0; a < MANY; a++) {
+        for (int b = a + 1; b < MANY; b++) {
+            pairs += rank_of(links, MANY, a, b) < 3 || rank_of(links, MANY, b, a) < 3;
+        }
+    }
+    ASSERT_STATUS(RIGCAL_OK, rigcal_choose_begin(&solver, &many.choice, &many.rig));
+    while (rigcal_choose_step(&solver, 1000) == RIGCAL_RUNNING) {
+    }
+    ASSERT_STATUS(RIGCAL_OK, rigcal_choose_result(NULL, &solver));
+    ASSERT_NEAR(3 * pairs, solver.most, 0);
+}
+
 /* ---- refused ------------------------------------------------------------- */
 
 static void assert_at_fault(rigcal_status expected, int32_t view)
@@ -827,6 +907,7 @@ TEST_MAIN()
     RUN_TEST(test_without_second_poses);
     RUN_TEST(test_a_wrong_view_is_left_out);
     RUN_TEST(test_views_that_contradict_each_other);
+    RUN_TEST(test_two_placements_can_contradict_each_other);
     RUN_TEST(test_two_cameras_that_agree_are_believed_against_a_third);
     RUN_TEST(test_what_is_more_than_noise_raises_the_limit);
     RUN_TEST(test_the_noise_of_the_views);
@@ -837,6 +918,7 @@ TEST_MAIN()
     RUN_TEST(test_a_camera_that_joins_by_a_doubtful_placement);
     RUN_TEST(test_a_doubtful_placement_does_not_count);
     RUN_TEST(test_many_cameras_and_two_that_are_alike);
+    RUN_TEST(test_the_best_three_pairs_of_each_camera_are_scored);
     RUN_TEST(test_what_is_refused);
     RUN_TEST(test_after_a_choice_the_rig_is_not_adjusted);
 }

@@ -12,18 +12,25 @@ static test_boards b, other;
 
 #define WANTS_BOARDS(n) TEST_WANTS_RAM((n) * sizeof(test_boards) + 20000)
 
-/* Solves, chooses and judges. Returns the status of the last. */
-static rigcal_status judge(test_boards *which)
+/* Solves, chooses and judges. Returns the status of the last. sigma_px: 0: that of the
+ * choice. */
+static rigcal_status judge_by(test_boards *which, double sigma_px)
 {
     int32_t at_fault = -2;
     rigcal_status status;
 
     test_boards_solve(which);
     TEST_ASSERT_TRUE(rigcal_rig_choose(&which->choice, &at_fault, &which->rig) >= 0);
+    which->choice.sigma_px = sigma_px > 0 ? RC(sigma_px) : which->choice.sigma_px;
     status = rigcal_rig_judge(&which->judgement, &at_fault, which->judged, which->left_out,
                               &which->choice, &which->rig);
     TEST_ASSERT_EQUAL_INT32(-1, at_fault);
     return status;
+}
+
+static rigcal_status judge(test_boards *which)
+{
+    return judge_by(which, 0);
 }
 
 static int is_named(const test_boards *which, size_t v)
@@ -202,6 +209,50 @@ static void test_a_camera_that_is_late_is_left_out(void)
     TEST_ASSERT_EQUAL_INT(0, n.right_named);
 }
 
+/* All views of camera 3 are wrong. The limit is as if there were only the other cameras,
+ * also where a prior says where it is. */
+static void test_a_camera_that_is_left_out_does_not_count_for_the_limit(void)
+{
+    enum { WRONG = 3 };
+    static rigcal_camera_prior priors[4];
+
+    WANTS_BOARDS(2);
+    for (int has_prior = 0; has_prior < 2; has_prior++) {
+        const uint8_t roles[4] = {RIGCAL_CAMERA_HELD, 0, 0,
+                                  has_prior ? RIGCAL_CAMERA_PRIOR : RIGCAL_CAMERA_FREE};
+        size_t n = 0;
+        test_rng rng = test_seed(1510);
+
+        test_boards_make(&b, &rng, 4, 10, 4, NOISE, 2);
+        for (int f = 9; f >= 0; f--) {
+            test_boards_replace(&b, test_boards_view(&b, WRONG, f),
+                                test_boards_view(&b, 0, (3 * f + 1) % 10));
+        }
+        rng = test_seed(1510);
+        test_boards_make(&other, &rng, 4, 10, 4, NOISE, 2);
+        for (size_t v = 0; v < other.rig.n_views; v++) {
+            if (other.views[v].camera != WRONG) {
+                other.views[n++] = other.views[v];
+            }
+        }
+        other.rig.n_views = n;
+        other.rig.n_cameras = 3;
+        priors[WRONG].cam_from_rig = b.true_cams[WRONG];
+        for (int k = 0; k < 6; k++) {
+            priors[WRONG].Sigma[7 * k] = RC(1e-4);
+        }
+        b.rig.roles = other.rig.roles = roles;
+        b.rig.priors = other.rig.priors = priors;
+        b.rig.sigma_px = other.rig.sigma_px = RC(NOISE);
+        TEST_ASSERT_TRUE(judge_by(&b, NOISE) > 0);
+        ASSERT_STATUS(RIGCAL_OK, judge_by(&other, NOISE));
+        TEST_ASSERT_EQUAL_INT32(10, b.judgement.n_contradict);
+        TEST_ASSERT_TRUE(D(other.judgement.scale) > 1.5);
+        ASSERT_NEAR(other.judgement.scale, b.judgement.scale,
+                    TOL(1e-6, 1e-3) * D(other.judgement.scale));
+    }
+}
+
 /* Wrong views that the joiner took for right bend the rig. The view with the largest cost
  * in each placement is left out first. */
 static void test_wrong_views_that_were_joined_are_named(void)
@@ -284,6 +335,32 @@ static void test_the_only_right_view_of_a_camera_stays_if_its_pose_is_known(void
 
             TEST_ASSERT_EQUAL_INT(b.is_wrong[v] || is_alone, is_named(&b, v));
         }
+    }
+}
+
+/* One view is shifted by some pixels. A little is noise; a view that may be wrong is left
+ * out to see, and comes back by a third adjustment; what is named is left out of a second
+ * one; what the choice has left out is in none. */
+static void test_the_rig_is_adjusted_no_more_than_it_takes(void)
+{
+    enum { SHIFTED = 13 };
+    static const struct {
+        double px;
+        int32_t adjustments, n_fit;
+    } CASES[4] = {{0.3, 1, 32}, {0.65, 3, 32}, {2, 2, 31}, {10, 1, 31}};
+
+    WANTS_BOARDS(1);
+    for (int k = 0; k < 4; k++) {
+        test_rng rng = test_seed(1700);
+
+        test_boards_make(&b, &rng, 4, 8, 4, NOISE, 0);
+        for (int i = 0; i < BOARD_POINTS; i++) {
+            b.o[SHIFTED][i].uv[0] += RC(CASES[k].px);
+        }
+        ASSERT_STATUS(CASES[k].n_fit < 32 ? RIGCAL_VIEWS_LEFT_OUT : RIGCAL_OK, judge(&b));
+        TEST_ASSERT_EQUAL_INT32(CASES[k].adjustments, b.judgement.adjustments);
+        TEST_ASSERT_EQUAL_INT32(CASES[k].n_fit, b.judgement.n_fit);
+        TEST_ASSERT_EQUAL_INT(CASES[k].n_fit < 32, is_named(&b, SHIFTED));
     }
 }
 
@@ -428,6 +505,44 @@ static void test_the_same_bits_whatever_the_budgets(void)
     }
 }
 
+static size_t calls, fails_at, failed;
+
+static rigcal_status pose_that_fails(rigcal_view_pose *pose, size_t index, void *context)
+{
+    (void)context;
+    *pose = b.own[index];
+    failed = index;
+    return (++calls == fails_at) ? RIGCAL_ERR_DAMAGED : RIGCAL_OK;
+}
+
+/* At fault is no view, or one of the placement whose view failed. */
+static void test_a_source_that_fails_ends_the_judgement(void)
+{
+    test_rng rng = test_seed(1810);
+    size_t n = 1;
+
+    WANTS_BOARDS(2);
+    test_boards_make(&b, &rng, 2, 3, 2, NOISE, 0);
+    test_boards_solve(&b);
+    TEST_ASSERT_TRUE(rigcal_rig_choose(&b.choice, NULL, &b.rig) >= 0);
+    b.rig.view_poses = NULL;
+    b.rig.view_pose_source = pose_that_fails;
+    other = b;
+    for (fails_at = 0; fails_at <= n; fails_at++) {
+        int32_t at_fault = -2;
+
+        b = other;
+        calls = 0;
+        ASSERT_STATUS(fails_at ? RIGCAL_ERR_DAMAGED : RIGCAL_OK,
+                      rigcal_rig_judge(&b.judgement, &at_fault, b.judged, b.left_out,
+                                       &b.choice, &b.rig));
+        TEST_ASSERT_TRUE(at_fault == -1 ||
+                         (at_fault >= 0 && at_fault / 2 == (int32_t)failed / 2));
+        TEST_ASSERT_EQUAL_size_t(fails_at ? fails_at : calls, calls);
+        n = fails_at ? n : calls;
+    }
+}
+
 static void test_what_cannot_be_judged_is_refused(void)
 {
     static rigcal_judge_solver solver;
@@ -475,13 +590,16 @@ TEST_MAIN()
     RUN_TEST(test_reversed_views_are_named);
     RUN_TEST(test_views_of_swapped_cameras_are_named);
     RUN_TEST(test_a_camera_that_is_late_is_left_out);
+    RUN_TEST(test_a_camera_that_is_left_out_does_not_count_for_the_limit);
     RUN_TEST(test_wrong_views_that_were_joined_are_named);
     RUN_TEST(test_a_named_view_does_not_touch_the_rig);
     RUN_TEST(test_the_only_right_view_of_a_camera_stays_if_its_pose_is_known);
+    RUN_TEST(test_the_rig_is_adjusted_no_more_than_it_takes);
     RUN_TEST(test_of_two_views_that_contradict_each_other_both_are_named);
     RUN_TEST(test_a_view_that_nobody_shares_is_unchecked);
     RUN_TEST(test_a_view_that_nobody_shares_is_unchecked_if_it_is_left_out_too);
     RUN_TEST(test_a_second_pose_is_taken_up);
     RUN_TEST(test_the_same_bits_whatever_the_budgets);
+    RUN_TEST(test_a_source_that_fails_ends_the_judgement);
     RUN_TEST(test_what_cannot_be_judged_is_refused);
 }

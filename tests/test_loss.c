@@ -106,6 +106,40 @@ static void test_wrong_points_do_no_harm(void)
     TEST_ASSERT_TRUE(found + 5 >= there && found <= there + 25);
 }
 
+/* The fit is that of the points within 4 sigma, and there is no test of the rig. */
+static void test_the_fit_is_that_of_the_points_that_count(void)
+{
+    test_rng rng = test_seed(388);
+    rigcal_rig_fit fit;
+    size_t n_wrong, beyond = 0;
+    double sum = 0;
+
+    WANTS_RIG;
+    make(&rng, 0.05);
+    test_rig_solve_views(&r); /* with their own poses there could be a test */
+    ASSERT_STATUS(RIGCAL_OK, rigcal_rig_adjust_robust(&fit, &n_wrong, NULL, &r.rig));
+    for (size_t v = 0; v < r.rig.n_views; v++) {
+        rigcal_real duv[2 * RIG_POINTS_MAX];
+        size_t n;
+
+        ASSERT_STATUS(RIGCAL_OK,
+                      rigcal_rig_residuals(duv, 2 * RIG_POINTS_MAX, &n, &r.rig, v));
+        for (size_t i = 0; i < n; i++) {
+            const double e = hypot(D(duv[2 * i]), D(duv[2 * i + 1]));
+
+            sum += e <= 4 * NOISE ? e * e : 0;
+            beyond += !(e <= 4 * NOISE);
+        }
+    }
+    TEST_ASSERT_TRUE(beyond > 0);
+    TEST_ASSERT_EQUAL_size_t(beyond, n_wrong);
+    ASSERT_NEAR(sum, fit.sum, TOL(1e-6, 1e-3) * sum);
+    ASSERT_NEAR(sqrt(sum / D(fit.freedom)), fit.sigma_px, TOL(1e-6, 1e-3));
+    ASSERT_NEAR(0, fit.F, 0);
+    ASSERT_NEAR(0, fit.freedom_between, 0);
+    ASSERT_NEAR(0, fit.freedom_within, 0);
+}
+
 static void test_without_wrong_points_it_is_least_squares(void)
 {
     test_rng rng = test_seed(382);
@@ -272,6 +306,7 @@ static void test_without_room_for_the_answer_nothing_moves(void)
 TEST_MAIN()
 {
     RUN_TEST(test_wrong_points_do_no_harm);
+    RUN_TEST(test_the_fit_is_that_of_the_points_that_count);
     RUN_TEST(test_without_wrong_points_it_is_least_squares);
     RUN_TEST(test_the_sum_is_that_of_the_loss);
     RUN_TEST(test_the_answer_is_the_least_of_the_loss);

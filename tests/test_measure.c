@@ -998,6 +998,8 @@ static void test_a_rig_without_a_covariance_is_checked(void)
     rig.group = m.rig.group;
     rig.n_cameras = (size_t)RIGCAL_STORE_CAMERAS_MAX + 1;
     ASSERT_REFUSED(RIGCAL_ERR_RANGE, point, rigcal_point_measure(&point, NULL, &s));
+    rig.n_cameras = RIGCAL_STORE_CAMERAS_MAX;
+    ASSERT_REFUSED(RIGCAL_ERR_CAPACITY, point, rigcal_point_measure(&point, NULL, &s));
     rig.n_cameras = 0;
     ASSERT_REFUSED(RIGCAL_ERR_TOO_FEW, point, rigcal_point_measure(&point, NULL, &s));
     rig.n_cameras = m.rig.n_cameras;

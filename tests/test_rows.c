@@ -309,6 +309,33 @@ static void test_a_match_on_the_line_through_both_centres_is_refused(void)
     }
 }
 
+/* A match is refused up to ten standard deviations from that line, of either ray: of a ray
+ * along the axis the squares of (sigma / fx) and (sigma / fy) add up. */
+static void test_a_match_is_refused_up_to_ten_deviations_from_the_line(void)
+{
+    static const double FACTORS[2] = {0.97, 1.03}, o[3] = {0, 0, 0}, z[3] = {0, 0, -0.5};
+    const rigcal_camera camera = test_pinhole();
+    const rigcal_transform T[2] = {test_transform(NULL, o), test_transform(NULL, z)};
+
+    for (int k = 0; k < 16; k++) {
+        const int noisy = k % 2, is_far = k / 2 % 2;
+        const double way = k / 4 * 0.7;
+        const double off =
+            10 * hypot(SIGMA / D(camera.fx), SIGMA / D(camera.fy)) * FACTORS[is_far];
+        const rigcal_real ray[3] = {RC(off * cos(way)), RC(off * sin(way)), 1};
+        rc_seen seen = {.a = 0, .b = 1, .n_rows = 1};
+        rc_row row;
+
+        for (int c = 0; c < 2; c++) {
+            const double sigma = c == noisy ? SIGMA : SIGMA / 4;
+
+            ASSERT_STATUS(RIGCAL_OK, rc_sight_of(&seen.sight[c], &camera, ray, RC(sigma)));
+        }
+        ASSERT_STATUS(is_far ? RIGCAL_OK : RIGCAL_ERR_DEGENERATE,
+                      rc_rows_of(&row, &seen, &T[0], &T[1]));
+    }
+}
+
 static void test_a_match_without_noise_is_refused(void)
 {
     const rigcal_camera camera = lens(0);
@@ -577,6 +604,7 @@ TEST_MAIN()
     RUN_TEST(test_each_coefficient_of_a_lens_counts);
     RUN_TEST(test_a_ray_that_grazes_has_no_sight);
     RUN_TEST(test_a_ray_of_no_length_is_none);
+    RUN_TEST(test_a_match_is_refused_up_to_ten_deviations_from_the_line);
     RUN_TEST(test_a_match_without_noise_is_refused);
     RUN_TEST(test_a_sight_has_any_unit_of_pixels);
     RUN_TEST(test_a_ray_whose_noise_is_no_number_has_no_sight);

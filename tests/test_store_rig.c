@@ -655,6 +655,70 @@ static void test_more_free_cameras_than_a_rig_may_have_are_damage(void)
     free(bytes);
 }
 
+/* A rig of 65535 cameras, all held, is saved and loaded in both forms; one of 65536 is not
+ * saved, and bytes that have so many are damaged. */
+static void test_the_most_cameras_of_a_rig_are_saved_and_loaded(void)
+{
+    enum { MOST = 65535, OLD_STRIDE = 16 + 45 * OWN_REAL };
+    const size_t size = CAMERAS_AT + (size_t)MOST * STRIDE;
+    const size_t old_size = 32 + (size_t)MOST * OLD_STRIDE, room = old_size + OLD_STRIDE;
+    rigcal_calibrated_rig most = rig;
+    rigcal_saved_info info;
+    rigcal_real block[36];
+    size_t n;
+
+    TEST_ON_HOST_ONLY("it takes 60 MB");
+    uint8_t *const bytes = malloc(room);
+    most.capacity = MOST + 1;
+    most.cameras = malloc((MOST + 1) * sizeof *most.cameras);
+    most.group = calloc(MOST + 1, sizeof *most.group);
+    most.held = malloc(MOST + 1);
+    TEST_ASSERT_TRUE(bytes && most.cameras && most.group && most.held);
+    for (size_t c = 0; c <= MOST; c++) {
+        most.cameras[c] = rig.cameras[c % N];
+        most.cameras[c].has_Sigma = 0;
+        most.held[c] = 1;
+    }
+    most.n_cameras = MOST + 1;
+    ASSERT_STATUS(RIGCAL_ERR_RANGE,
+                  rigcal_store_save_rig(bytes, room, &n, &most, sequence, tag));
+    ASSERT_STATUS(RIGCAL_ERR_RANGE, rigcal_calibrated_covariance(block, &most, 0, 1));
+    most.n_cameras = MOST;
+    ASSERT_STATUS(RIGCAL_OK, rigcal_calibrated_covariance(block, &most, 0, MOST - 1));
+    TEST_ASSERT_EQUAL_size_t(size, rigcal_store_rig_size(MOST, 0));
+    for (int is_old = 0; is_old < 2; is_old++) {
+        const size_t stride = is_old ? OLD_STRIDE : STRIDE,
+                     whole = is_old ? old_size : size;
+
+        ASSERT_STATUS(
+            RIGCAL_OK,
+            is_old ? rigcal_store_save(bytes, room, &n, most.cameras, MOST, sequence, tag)
+                   : rigcal_store_save_rig(bytes, room, &n, &most, sequence, tag));
+        TEST_ASSERT_EQUAL_size_t(whole, n);
+        most.cameras[MOST - 1].cam_from_rig.t[0] = 9;
+        most.n_cameras = 0;
+        ASSERT_STATUS(RIGCAL_OK, rigcal_store_load_rig(&most, &info, bytes, n));
+        TEST_ASSERT_EQUAL_INT32(MOST, info.n_cameras);
+        TEST_ASSERT_EQUAL_size_t(MOST, most.n_cameras);
+        TEST_ASSERT_EQUAL_MEMORY(&rig.cameras[(MOST - 1) % N].cam_from_rig,
+                                 &most.cameras[MOST - 1].cam_from_rig,
+                                 sizeof(rigcal_transform));
+        for (size_t c = 0; c < MOST; c++) {
+            most.cameras[c].has_Sigma = 0;
+        }
+        memcpy(bytes + whole, bytes + whole - stride, stride); /* one more */
+        put_u32(bytes + 8, MOST + 1);
+        put_u32(bytes + 20, (uint32_t)(whole + stride));
+        seal(bytes, whole + stride);
+        ASSERT_REFUSED(RIGCAL_ERR_DAMAGED, info,
+                       rigcal_store_info(&info, bytes, whole + stride));
+    }
+    free(most.held);
+    free(most.group);
+    free(most.cameras);
+    free(bytes);
+}
+
 /* ---- numbers that are not taken -------------------------------------------- */
 
 static void refuses_real(rigcal_status expected, size_t at, double x)
@@ -841,6 +905,7 @@ TEST_MAIN_WITH_SETUP()
     RUN_TEST(test_every_torn_write_is_refused);
     RUN_TEST(test_counts_that_do_not_fit_the_length_are_damage);
     RUN_TEST(test_more_free_cameras_than_a_rig_may_have_are_damage);
+    RUN_TEST(test_the_most_cameras_of_a_rig_are_saved_and_loaded);
     RUN_TEST(test_numbers_that_no_function_takes_are_not_loaded);
     RUN_TEST(test_integers_that_no_function_takes_are_not_loaded);
     RUN_TEST(test_a_block_that_is_no_covariance_is_refused);

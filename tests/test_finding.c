@@ -451,7 +451,7 @@ static void test_faults_whose_criteria_differ_little_are_alike(void)
     TEST_ASSERT_EQUAL_INT32(2, found.n_alike);
 }
 
-/* ---- residuals ------------------------------------------------------------------------ */
+/* ---- residuals ---------------------------------------------------------------- */
 
 /* The variance is 1, so that limits are met exactly: a pattern is over 0.1 and over four of
  * its standard deviations; motion has over 0.3 of the disagreement. */

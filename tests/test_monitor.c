@@ -475,6 +475,8 @@ static void test_a_covariance_is_checked_from_both_sides(void)
         {TEST_NAN, 0, RC(1e-6), RIGCAL_ERR_NOT_FINITE},
         {RC(1e-6), TEST_NAN, RC(1e-6), RIGCAL_ERR_NOT_FINITE},
         {RC(1e-6), 0, TEST_INF, RIGCAL_ERR_NOT_FINITE},
+        {RC(-1e-6), 0, RC(1e-6), RIGCAL_ERR_RANGE},
+        {RC(1e-6), 0, RC(-1e-6), RIGCAL_ERR_RANGE},
     };
 
     WANTS_RIG();
@@ -484,6 +486,9 @@ static void test_a_covariance_is_checked_from_both_sides(void)
             w.Sigma[at * (at + 3) / 2] = cases[i].first;
             w.Sigma[(at + 1) * (at + 4) / 2 - 1] = cases[i].across;
             w.Sigma[(at + 1) * (at + 4) / 2] = cases[i].second;
+            if (w.rig.Sigma_capacity > 21) {
+                w.Sigma[21] = TEST_NAN; /* no part of it */
+            }
             ASSERT_STATUS(cases[i].status,
                           rigcal_monitor_begin(w.monitor, RIGCAL_MONITOR_SIZE(2, 0), &w.rig,
                                                0, NULL));
@@ -702,6 +707,147 @@ static void test_wrong_matches_are_counted(void)
     TEST_ASSERT_LESS_OR_EQUAL_UINT32(120, after.doubted);
 }
 
+/* Two rays of parallel cameras that miss each other by `deviations` of their noise, in the
+ * image's vertical. */
+static void miss(rigcal_real rays[2][3], double deviations)
+{
+    for (int c = 0; c < 2; c++) {
+        rays[c][0] = RC(0.1 - 0.1 * c);
+        rays[c][1] = RC(c * deviations * sqrt(2) * 0.3 / 800);
+        rays[c][2] = 1;
+    }
+}
+
+/* With exact poses, and 5 % wrong over 100 deviations, half the rows that are off by 3.64
+ * deviations are wrong: 0.95 exp(-z^2 / 2) / sqrt(2 pi) is 0.05 / 100 there. So it is before
+ * an alarm and after it. */
+static void test_a_row_is_doubted_if_it_is_more_likely_wrong_than_right(void)
+{
+    test_rng rng = test_seed(17);
+    rigcal_monitor_options o;
+    rc_monitor open;
+    uint32_t rows = 0, doubted = 0;
+
+    WANTS_RIG();
+    quiet(&o);
+    o.wrong = (rigcal_real)WRONG;
+    test_watched_make(&w, &rng, 2, 1, 0, 0);
+    test_watched_begin(&w, 0, &o);
+    for (int has_alarm = 0; has_alarm < 2; has_alarm++) {
+        for (int is_far = 0; is_far < 2; is_far++) {
+            rigcal_monitor_report report;
+            rigcal_real rays[2][3];
+
+            miss(rays, is_far ? 3.70 : 3.58);
+            ASSERT_STATUS(RIGCAL_OK, rigcal_monitor_match_rays(w.monitor, 0, rays[0], 1,
+                                                               rays[1], RC(0.3)));
+            rows++;
+            doubted += (uint32_t)is_far;
+            ASSERT_STATUS(RIGCAL_OK, rigcal_monitor_ask(&report, w.monitor));
+            TEST_ASSERT_EQUAL_UINT32(rows, report.rows);
+            TEST_ASSERT_EQUAL_UINT32(doubted, report.doubted);
+        }
+        ASSERT_STATUS(RIGCAL_OK, rigcal_monitor_frame(NULL, w.monitor, 0));
+        ASSERT_STATUS(RIGCAL_OK, rc_monitor_open(&open, w.monitor));
+        open.top.head.alarm.log_limit = -1000; /* the next frame raises the alarm */
+        rc_monitor_close(&open, 1);
+        ASSERT_STATUS(RIGCAL_OK, rigcal_monitor_frame(NULL, w.monitor, 0));
+    }
+}
+
+/* ---- what is not used ---- */
+
+/* A target without a place has the identity as its pose. The head's room beyond the head is
+ * 0. */
+static void test_what_is_not_used_yet_is_set(void)
+{
+    static const double ONE[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1}, NONE[3] = {0, 0, 0};
+    const rigcal_transform identity = test_transform(ONE, NONE);
+    const unsigned char *const bytes = (const unsigned char *)w.monitor;
+    test_rng rng = test_seed(18);
+    rc_monitor open;
+
+    WANTS_RIG();
+    test_watched_make(&w, &rng, 2, 1, 0.05 * DEGREE, 2e-3);
+    test_watched_begin(&w, 1, NULL);
+    ASSERT_STATUS(RIGCAL_OK, rc_monitor_open(&open, w.monitor));
+    TEST_ASSERT_EQUAL_MEMORY(&identity, &open.filter.poses[2], sizeof identity);
+    for (size_t k = sizeof(rc_monitor_head); k < RIGCAL_MONITOR_HEAD * sizeof(rigcal_real);
+         k++) {
+        TEST_ASSERT_EQUAL_UINT8(0, bytes[k]);
+    }
+}
+
+/* ---- a body that settles ---- */
+
+/* Sets what camera a saw of a point, and camera b. */
+static void see_match(rc_seen *seen, size_t a, size_t b, test_rng *rng)
+{
+    const size_t of[2] = {a, b};
+    double X[3];
+
+    memset(seen, 0, sizeof *seen);
+    seen->a = a;
+    seen->b = b;
+    seen->n_rows = 1;
+    test_watched_point(X, &w, rng);
+    for (int k = 0; k < 2; k++) {
+        double uv[2];
+
+        test_watched_pixel(uv, &w, (int)of[k], X);
+        const rigcal_real ray[3] = {RC((uv[0] - 640) / 800), RC((uv[1] - 480) / 800), 1};
+        ASSERT_STATUS(RIGCAL_OK,
+                      rc_sight_of(&seen->sight[k], &w.cameras[of[k]].camera, ray, RC(0.3)));
+    }
+}
+
+/* Of a match of a and b: learns its row with these open bodies, and says which poses move
+ * at once. */
+static void expect_match(size_t moved, size_t a, size_t b, int bits, test_rng *rng)
+{
+    static rigcal_real copy[RIGCAL_MONITOR_SIZE(3, 0)];
+    rigcal_transform before[3];
+    rc_monitor here, there;
+    rc_seen seen;
+    rc_news news;
+    rc_row row;
+
+    test_watched_make(&w, rng, 3, 0, 1 * DEGREE, 2e-2);
+    test_watched_begin(&w, 0, NULL);
+    ASSERT_STATUS(RIGCAL_OK, rigcal_monitor_moved(w.monitor, moved));
+    memcpy(copy, w.monitor, sizeof copy);
+    ASSERT_STATUS(RIGCAL_OK, rc_monitor_open(&here, w.monitor));
+    ASSERT_STATUS(RIGCAL_OK, rc_monitor_open(&there, copy));
+    memcpy(before, here.filter.poses, sizeof before);
+    see_match(&seen, a, b, rng);
+    ASSERT_STATUS(RIGCAL_OK, rc_monitor_take(&here, &seen));
+    const rc_filter *const f = &there.filter;
+    ASSERT_STATUS(RIGCAL_OK, rc_rows_of(&row, &seen, &f->poses[a], &f->poses[b]));
+    TEST_ASSERT_TRUE(rc_filter_row(&news, f, a, b, &row, there.top.head.wrong, bits));
+    TEST_ASSERT_EQUAL_MEMORY(f->UD, here.filter.UD, f->n * (f->n + 1) / 2 * sizeof *f->UD);
+    for (size_t c = 0; c < 3; c++) {
+        const int moves = memcmp(&before[c], &here.filter.poses[c], sizeof before[c]) != 0;
+        TEST_ASSERT_EQUAL_INT(bits != 0 && (moved == 0 ? c > 0 : c == moved), moves);
+    }
+}
+
+/* A row of the body that settles is learned as one of a body that may be off by degrees,
+ * and its pose moves at once. If it is the frame, all rows are, and all others move. */
+static void test_the_body_that_settles_is_open_in_its_rows(void)
+{
+    test_rng rng = test_seed(19);
+
+    if (WATCHED_CAMERAS_MAX < 3) {
+        TEST_IGNORE_MESSAGE("wants three cameras");
+    }
+    expect_match(1, 1, 2, 1, &rng);
+    expect_match(1, 2, 1, 2, &rng);
+    expect_match(1, 2, 0, 0, &rng);
+    expect_match(2, 1, 2, 2, &rng);
+    expect_match(0, 1, 2, 3, &rng);
+    expect_match(0, 0, 2, 3, &rng);
+}
+
 /* ---- what is refused
  * ---------------------------------------------------------------------- */
 
@@ -740,14 +886,22 @@ static void test_arguments_of_a_match_are_checked_from_both_sides(void)
 {
     const rigcal_real ray[3] = {0, 0, 1}, uv[2] = {640, 480}, far = RC(TOL(1e30, 1e9));
     const rigcal_real up = 1 + RC(TOL(1e-15, 2e-7));
-    const rigcal_real rays[6][3] = {{0, 0, 0},       {TEST_NAN, 0, 1}, {0, TEST_INF, 1},
-                                    {0, 0, 2 * far}, {0, 0, far},      {0, 0, RC(1e-3)}};
-    const rigcal_status of_ray[6] = {RIGCAL_ERR_RANGE,
+    const rigcal_real rays[8][3] = {{0, 0, 0},
+                                    {TEST_NAN, 0, 1},
+                                    {0, TEST_INF, 1},
+                                    {0, 0, 2 * far},
+                                    {0, 0, far},
+                                    {0, 0, RC(1e-3)},
+                                    {0, RC(1.5) * far, RC(2.2) * far},
+                                    {RC(2.2) * far, 0, RC(1.5) * far}};
+    const rigcal_status of_ray[8] = {RIGCAL_ERR_RANGE,
                                      RIGCAL_ERR_NOT_FINITE,
                                      RIGCAL_ERR_NOT_FINITE,
                                      RIGCAL_ERR_RANGE,
                                      RIGCAL_OK,
-                                     RIGCAL_OK};
+                                     RIGCAL_OK,
+                                     RIGCAL_ERR_RANGE,
+                                     RIGCAL_ERR_RANGE};
     const rigcal_real noise[5] = {RC(1e-6), RC(1e6), RC(1e-6) / up, RC(1e6) * up, TEST_NAN};
     const rigcal_status of_noise[5] = {RIGCAL_OK, RIGCAL_ERR_DEGENERATE, RIGCAL_ERR_RANGE,
                                        RIGCAL_ERR_RANGE, RIGCAL_ERR_NOT_FINITE};
@@ -756,7 +910,7 @@ static void test_arguments_of_a_match_are_checked_from_both_sides(void)
     WANTS_RIG();
     test_watched_make(&w, &rng, 2, 1, 0.05 * DEGREE, 2e-3);
     test_watched_begin(&w, 1, NULL);
-    for (int i = 0; i < 6; i++) {
+    for (int i = 0; i < 8; i++) {
         ASSERT_STATUS(of_ray[i],
                       rigcal_monitor_match_rays(w.monitor, 0, rays[i], 1, ray, 1));
         ASSERT_STATUS(of_ray[i],
@@ -809,6 +963,9 @@ TEST_MAIN()
     RUN_TEST(test_matches_of_a_still_pair_do_not_learn_the_length_of_its_base);
     RUN_TEST(test_poses_after_many_rows_are_those_of_double_arithmetic);
     RUN_TEST(test_wrong_matches_are_counted);
+    RUN_TEST(test_a_row_is_doubted_if_it_is_more_likely_wrong_than_right);
+    RUN_TEST(test_what_is_not_used_yet_is_set);
+    RUN_TEST(test_the_body_that_settles_is_open_in_its_rows);
     RUN_TEST(test_a_failed_match_changes_nothing);
     RUN_TEST(test_arguments_of_a_match_are_checked_from_both_sides);
 }

@@ -354,9 +354,9 @@ static void test_the_limit_itself_is_within(void)
     }
 }
 
-/* Points of a line in steps of these lengths. Those up to 1.2 times the shortest are between
- * neighbours, whichever is the shortest. Points before and after the view are no part of
- * it. */
+/* Points of a line in steps of these lengths. Those up to 1.2 times the shortest are
+ * between neighbours, whichever is the shortest. Points before and after the view are no
+ * part of it. */
 static void test_neighbours_are_nearly_the_shortest_step_apart(void)
 {
     static const double STEPS[4][5] = {{0.01, 0.1, 0.13, 0.13, 0.01},

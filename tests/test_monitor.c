@@ -719,8 +719,8 @@ static void miss(rigcal_real rays[2][3], double deviations)
 }
 
 /* With exact poses, and 5 % wrong over 100 deviations, half the rows that are off by 3.64
- * deviations are wrong: 0.95 exp(-z^2 / 2) / sqrt(2 pi) is 0.05 / 100 there. So it is before
- * an alarm and after it. */
+ * deviations are wrong: 0.95 exp(-z^2 / 2) / sqrt(2 pi) is 0.05 / 100 there. That holds
+ * before an alarm and after it. */
 static void test_a_row_is_doubted_if_it_is_more_likely_wrong_than_right(void)
 {
     test_rng rng = test_seed(17);

@@ -536,7 +536,7 @@ static void test_each_camera_but_the_frame_is_followed(void)
     }
 }
 
-/* ---- what becomes uncertain ----------------------------------------------------------- */
+/* ---- what becomes uncertain ------------------------------------------------------ */
 
 /* All elements of a body's covariance, as standard deviations and correlations. */
 static void covariance_of(rigcal_real Sigma[36], size_t body)

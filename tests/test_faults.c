@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "rc_columns.h"
+#include "rc_evidence.h"
 #include "rigcal_solvers.h"
 #include "test_motions.h"
 #include "vectors_faults.h"
@@ -600,16 +601,56 @@ static void test_nothing_in_common_is_no_disagreement(void)
 
 /* ---- how it is called --------------------------------------------------------------- */
 
+static void assert_close(double expected, rigcal_real seen, double tol)
+{
+    ASSERT_NEAR(expected, seen, tol * (1 + fabs(expected)));
+}
+
+/* All numbers of one fault, in units of its deviations or of itself. */
+static void assert_same_fault(const rigcal_fault *a, const rigcal_fault *b, double tol)
+{
+    const double loss = 10 * tol * loss_of(a);
+
+    TEST_ASSERT_EQUAL_INT32(a->is_seen, b->is_seen);
+    TEST_ASSERT_EQUAL_INT32(a->placement, b->placement);
+    TEST_ASSERT_EQUAL_INT32(a->n, b->n);
+    TEST_ASSERT_EQUAL_INT32(a->explains, b->explains);
+    for (int k = 0; k < RIGCAL_FAULT_VALUES; k++) {
+        ASSERT_NEAR(a->value[k], b->value[k],
+                    loss * (D(a->sigma[k]) + fabs(D(a->value[k]))));
+        ASSERT_NEAR(a->sigma[k], b->sigma[k], loss * D(a->sigma[k]));
+    }
+    assert_close(D(a->gain), b->gain, loss);
+    assert_close(D(a->p), b->p, loss);
+    assert_close(D(a->bic), b->bic, loss);
+    assert_close(D(a->F_after), b->F_after, loss);
+    ASSERT_NEAR(a->turn, b->turn, loss * D(a->turn));
+    ASSERT_NEAR(a->shift, b->shift, loss * D(a->shift));
+}
+
 static void assert_same(const fixture *a, const rigcal_faults *found,
                         const rigcal_fault faults[], double tol)
 {
-    TEST_ASSERT_EQUAL_INT32(a->found.n, found->n);
-    ASSERT_NEAR(a->found.F, found->F, tol);
-    for (int i = 0; i < found->n; i++) {
-        const rigcal_fault *const other = fault_of(a, faults[i].kind, faults[i].camera);
+    const rigcal_faults *const f = &a->found;
 
-        ASSERT_NEAR(other->gain, faults[i].gain, tol * (1 + D(other->gain)));
-        TEST_ASSERT_EQUAL_INT32(other->is_seen, faults[i].is_seen);
+    TEST_ASSERT_EQUAL_INT32(f->n, found->n);
+    TEST_ASSERT_EQUAL_INT32(f->n_seen, found->n_seen);
+    TEST_ASSERT_EQUAL_INT32(f->n_alike, found->n_alike);
+    TEST_ASSERT_EQUAL_INT32(f->verdict, found->verdict);
+    TEST_ASSERT_EQUAL_INT32(f->bits, found->bits);
+    ASSERT_NEAR(f->freedom_between, found->freedom_between, 0);
+    ASSERT_NEAR(f->freedom_within, found->freedom_within, 0);
+    assert_close(D(f->F), found->F, tol);
+    assert_close(D(f->sigma_px), found->sigma_px, tol);
+    assert_close(D(f->own_px), found->own_px, tol);
+    assert_close(D(f->explained), found->explained, 10 * tol);
+    assert_close(D(f->pattern), found->pattern, tol);
+    assert_close(D(f->pattern_sigma), found->pattern_sigma, tol);
+    assert_close(D(f->along), found->along, tol);
+    assert_close(D(f->along_time), found->along_time, tol);
+    assert_close(D(f->frame), found->frame, tol);
+    for (int i = 0; i < found->n; i++) {
+        assert_same_fault(fault_of(a, faults[i].kind, faults[i].camera), &faults[i], tol);
     }
 }
 
@@ -1044,6 +1085,289 @@ static void test_placements_that_nothing_fixes_are_degenerate(void)
     TEST_ASSERT_TRUE(at_fault >= 0 && at_fault % CAMERAS == 0); /* of this placement */
 }
 
+/* ---- what must not matter ------------------------------------------------------------ */
+
+/* The board in another frame, beside itself: all faults are the same. */
+static void test_the_origin_of_the_board_changes_no_fault(void)
+{
+    static const double BESIDE[3] = {0.7, -0.4, 0};
+    static rigcal_fault faults[FAULTS];
+    const rigcal_transform to_board = test_transform(NULL, (double[3]){-0.7, 0.4, 0});
+
+    WANTS_A_RIG;
+    set_up(&x, 1);
+    (void)least_sum(&x);
+    test_it(&x);
+    const rigcal_faults found = x.found;
+    memcpy(faults, x.faults, sizeof faults);
+    for (int p = 0; p < PLACEMENTS; p++) {
+        x.places[p] = test_times(&x.places[p], &to_board);
+    }
+    for (int i = 0; i < VIEWS * POINTS; i++) {
+        for (int k = 0; k < 3; k++) {
+            x.o[i / POINTS][i % POINTS].X_w[k] += RC(BESIDE[k]);
+        }
+    }
+    (void)least_sum(&x);
+    test_it(&x);
+    if (!RIGCAL_USE_FLOAT) {
+        assert_same(&x, &found, faults, 1e-5);
+    }
+}
+
+/* A board whose first point alone is at its corner. Told from the last point to the first,
+ * the faults are the same. */
+static void test_the_order_of_points_changes_no_fault(void)
+{
+    static rigcal_fault faults[FAULTS];
+    test_rng rng = test_seed(80);
+
+    WANTS_A_RIG;
+    set_up(&x, 1);
+    for (int v = 0; v < VIEWS; v++) {
+        const rigcal_transform T = test_times(&x.cams[v % CAMERAS], &x.places[v / CAMERAS]);
+        const double X[3] = {-0.2, -0.15, 0};
+        double X_c[3], uv[2];
+
+        test_to_real(x.o[v][0].X_w, X, 3);
+        test_move_point(X_c, &T, X);
+        test_project_px(uv, &x.camera[v % CAMERAS], X_c);
+        x.o[v][0].uv[0] = RC(uv[0] + 0.3 * test_normal(&rng));
+        x.o[v][0].uv[1] = RC(uv[1] + 0.3 * test_normal(&rng));
+    }
+    (void)least_sum(&x);
+    test_it(&x);
+    const rigcal_faults found = x.found;
+    memcpy(faults, x.faults, sizeof faults);
+    for (int v = 0; v < VIEWS; v++) {
+        for (int i = 0; i < POINTS / 2; i++) {
+            const rigcal_observation first = x.o[v][i];
+
+            x.o[v][i] = x.o[v][POINTS - 1 - i];
+            x.o[v][POINTS - 1 - i] = first;
+        }
+    }
+    test_it(&x);
+    assert_same(&x, &found, faults, TOL(1e-7, 3e-2));
+}
+
+/* ---- which views there are ---------------------------------------------------------- */
+
+/* Leaves out the views of these bits, and adjusts. */
+static void leave_out(uint8_t left_out[VIEWS], int32_t views)
+{
+    rigcal_rig_fit fit;
+
+    for (int v = 0; v < VIEWS; v++) {
+        left_out[v] = (uint8_t)(views >> v & 1);
+    }
+    x.rig.left_out = left_out;
+    TEST_ASSERT_TRUE(rigcal_rig_adjust(&fit, NULL, &x.rig) >= 0);
+    test_it(&x);
+}
+
+/* Placement 1 is seen by camera 0 alone, placement 2 by none. There are 13 views of 18
+ * numbers. Six unknowns belong to each of 2 cameras and 5 placements. */
+static void test_placements_count_that_a_camera_saw(void)
+{
+    static uint8_t left_out[VIEWS];
+
+    WANTS_A_RIG;
+    set_up(&x, 1);
+    leave_out(left_out, 7 << 6 | 3 << 4);
+    ASSERT_NEAR(13 * 18 - 13 * 6, x.found.freedom_within, 0);
+    ASSERT_NEAR(13 * 6 - 6 * (2 + 5), x.found.freedom_between, 0);
+    ASSERT_NEAR(0.3, x.found.sigma_px, 0.3);
+}
+
+/* One view of a camera shows what its own pose does not take up. */
+static void test_a_camera_with_one_view_has_faults(void)
+{
+    static uint8_t left_out[VIEWS];
+
+    WANTS_A_RIG;
+    for (int c = 1; c < CAMERAS; c++) {
+        set_up(&x, 1);
+        leave_out(left_out, 0x3fff8 & (c == 1 ? 0x12492 : 0x24924)); /* all but the first */
+        TEST_ASSERT_EQUAL_INT32(1, fault_of(&x, RIGCAL_FAULT_FOCAL, c)->is_seen);
+        TEST_ASSERT_EQUAL_INT32(1, fault_of(&x, RIGCAL_FAULT_CENTRE, c)->is_seen);
+        TEST_ASSERT_EQUAL_INT32(0, fault_of(&x, RIGCAL_FAULT_MOVED, c)->is_seen);
+    }
+}
+
+/* A move needs views of the camera on both sides. One that has none is not tried. */
+static void test_a_move_has_views_on_both_sides(void)
+{
+    static const uint8_t FIRST[PLACEMENTS] = {1}, MIDDLE[PLACEMENTS] = {0, 0, 0, 1},
+                         BOTH[PLACEMENTS] = {1, 0, 0, 1},
+                         ALL[PLACEMENTS] = {1, 1, 1, 1, 1, 1};
+    rigcal_fault once[CAMERAS];
+
+    WANTS_A_RIG;
+    set_up(&x, 5);
+    x.options.breaks = FIRST;
+    test_it(&x);
+    for (int c = 0; c < CAMERAS; c++) {
+        TEST_ASSERT_EQUAL_INT32(0, fault_of(&x, RIGCAL_FAULT_MOVED, c)->is_seen);
+        TEST_ASSERT_EQUAL_INT32(-1, fault_of(&x, RIGCAL_FAULT_MOVED, c)->placement);
+    }
+    x.options.breaks = MIDDLE;
+    test_it(&x);
+    for (int c = 0; c < CAMERAS; c++) {
+        once[c] = *fault_of(&x, RIGCAL_FAULT_MOVED, c);
+        TEST_ASSERT_EQUAL_INT32(3, once[c].placement);
+    }
+    x.options.breaks = BOTH;
+    test_it(&x);
+    for (int c = 0; c < CAMERAS; c++) {
+        TEST_ASSERT_EQUAL_MEMORY(&once[c], fault_of(&x, RIGCAL_FAULT_MOVED, c),
+                                 sizeof once[c]);
+    }
+    x.options.breaks = ALL;
+    test_it(&x);
+    for (int c = 0; c < CAMERAS; c++) {
+        const rigcal_fault *const seen = fault_of(&x, RIGCAL_FAULT_MOVED, c);
+
+        TEST_ASSERT_TRUE(seen->placement >= 1 && seen->gain >= once[c].gain);
+        if (seen->placement == 3 && once[c].p < RC(0.1)) { /* five are tried */
+            ASSERT_NEAR(5 * D(once[c].p), seen->p, TOL(1e-9, 1e-3));
+        }
+    }
+}
+
+/* Where nothing is known to move, nothing lies along a motion. */
+static void test_without_motion_nothing_lies_along_it(void)
+{
+    rigcal_rig_fit fit;
+
+    WANTS_A_RIG;
+    set_up(&x, 1);
+    for (int p = 0; p < PLACEMENTS; p++) {
+        x.times[p] = RC(10 * p);
+    }
+    ASSERT_STATUS(RIGCAL_OK, rigcal_rig_adjust(&fit, NULL, &x.rig));
+    test_it(&x);
+    ASSERT_NEAR(0, x.found.along, 0);
+    ASSERT_NEAR(0, x.found.along_time, 0);
+    TEST_ASSERT_TRUE(x.found.F > 0 && x.found.pattern_sigma > 0);
+}
+
+/* ---- sums over the views ------------------------------------------------------------ */
+
+/* (H12), of the evidence of each view. */
+static void test_the_pattern_is_that_of_all_views(void)
+{
+    const rigcal_real none[6] = {0}, origin[3] = {0};
+    const rc_scan scan = {{0, 0}, {1, 1}, 0, origin};
+    double n = 0, product = 0, sum_expected = 0, squares = 0;
+
+    WANTS_A_RIG;
+    set_up(&x, 3);
+    x.rig.clocks = NULL;
+    (void)least_sum(&x);
+    test_it(&x);
+    for (int v = 0; v < VIEWS; v++) {
+        rc_evidence e;
+        rc_chain chain;
+        rigcal_real d[6], expected;
+
+        rc_chain_of(&chain, &x.cams[v % CAMERAS], &x.places[v / CAMERAS]);
+        ASSERT_STATUS(RIGCAL_OK, rc_evidence_of(&e, &scan, &x.views[v], &chain, none, 0));
+        TEST_ASSERT_EQUAL_INT(1, rc_evidence_alone(&e, d));
+        product += D(rc_evidence_pattern(&expected, &e, d));
+        sum_expected += D(expected);
+        squares += D(expected) * D(expected);
+        n += 2 * (double)e.n_neighbours;
+    }
+    const double variance = D(x.found.own_px) * D(x.found.own_px);
+    ASSERT_NEAR((product / variance - sum_expected) / n, x.found.pattern, TOL(1e-9, 1e-3));
+    ASSERT_NEAR(sqrt(n - squares / 3) / n, x.found.pattern_sigma, TOL(1e-9, 1e-4));
+}
+
+/* 4 sigma are 2 px here. An error of some 1.5 px counts, one of some 3.5 px does not. */
+static void test_the_limit_of_truncation_is_4_sigma(void)
+{
+    WANTS_A_RIG;
+    set_up(&x, 0);
+    x.o[4][2].uv[0] += RC(3.5);
+    x.o[7][5].uv[1] += RC(1.5);
+    x.rig.sigma_px = RC(0.5);
+    x.options.is_truncated = 1;
+    test_it(&x);
+    ASSERT_NEAR(VIEWS * (2 * POINTS - 6) - 2, x.found.freedom_within, 0);
+    x.options.is_truncated = 0;
+    test_it(&x);
+    ASSERT_NEAR(VIEWS * (2 * POINTS - 6), x.found.freedom_within, 0);
+}
+
+/* ---- arguments, one by one ----------------------------------------------------------- */
+
+/* A view that changed after the adjustment is refused, and named. */
+static void test_a_view_that_is_wrong_is_named(void)
+{
+    WANTS_A_RIG;
+    for (int v = 0; v < VIEWS; v += 5) {
+        int32_t at_fault = -2;
+
+        set_up(&x, 0);
+        x.o[v][3].uv[1] = TEST_NAN;
+        ASSERT_REFUSED(
+            RIGCAL_ERR_NOT_FINITE, x.found,
+            rigcal_rig_faults(&x.found, x.faults, FAULTS, &at_fault, &x.options, &x.rig));
+        TEST_ASSERT_EQUAL_INT32(v, at_fault);
+    }
+}
+
+static void test_arguments_are_checked_from_both_sides(void)
+{
+    static rigcal_faults_solver solver;
+    rigcal_faults found;
+    int32_t at_fault = -2;
+
+    WANTS_A_RIG;
+    set_up(&x, 0);
+    for (int k = 0; k < 4; k++) {
+        static const int32_t KINDS[4] = {-1, 0, RIGCAL_FAULTS_ALL, RIGCAL_FAULTS_ALL + 1};
+
+        x.options.kinds = KINDS[k];
+        ASSERT_STATUS(k % 3 ? RIGCAL_OK : RIGCAL_ERR_RANGE,
+                      rigcal_faults_begin(&solver, x.faults, 1, &x.options, &x.rig));
+    }
+    x.options.kinds = 0;
+    FILL(solver);
+    ASSERT_STATUS(RIGCAL_ERR_RANGE,
+                  rigcal_faults_begin(&solver, x.faults, 0, &x.options, &x.rig));
+    ASSERT_STATUS(RIGCAL_ERR_NULL,
+                  rigcal_faults_begin(NULL, x.faults, 1, &x.options, &x.rig));
+    ASSERT_STATUS(RIGCAL_ERR_NULL,
+                  rigcal_faults_begin(&solver, NULL, 1, &x.options, &x.rig));
+    ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_faults_begin(&solver, x.faults, 1, NULL, &x.rig));
+    ASSERT_STATUS(RIGCAL_ERR_NULL,
+                  rigcal_faults_begin(&solver, x.faults, 1, &x.options, NULL));
+    x.options.work = NULL;
+    ASSERT_STATUS(RIGCAL_ERR_NULL,
+                  rigcal_faults_begin(&solver, x.faults, 1, &x.options, &x.rig));
+    ASSERT_UNTOUCHED(solver);
+    x.options.work = x.room;
+    ASSERT_STATUS(RIGCAL_OK, rigcal_faults_begin(&solver, x.faults, 1, &x.options, &x.rig));
+    ASSERT_STATUS(RIGCAL_ERR_RANGE, rigcal_faults_step(&solver, 0));
+    ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_faults_step(NULL, 1));
+    ASSERT_STATUS(RIGCAL_RUNNING, rigcal_faults_step(&solver, 1));
+    ASSERT_STATUS(RIGCAL_ERR_STATE, rigcal_faults_result(&found, &at_fault, &solver));
+    TEST_ASSERT_EQUAL_INT32(-1, at_fault);
+    ASSERT_STATUS(RIGCAL_OK, rigcal_faults_step(&solver, 100000));
+    at_fault = -2;
+    ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_faults_result(NULL, &at_fault, &solver));
+    ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_faults_result(&found, &at_fault, NULL));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_faults_result(&found, &at_fault, &solver));
+    TEST_ASSERT_EQUAL_INT32(-1, at_fault);
+    TEST_ASSERT_EQUAL_INT32(1, found.n);
+    at_fault = -2;
+    ASSERT_STATUS(RIGCAL_ERR_NULL,
+                  rigcal_rig_faults(NULL, x.faults, FAULTS, &at_fault, &x.options, &x.rig));
+    TEST_ASSERT_EQUAL_INT32(-1, at_fault);
+}
+
 /* ---- columns -------------------------------------------------------------------- */
 
 /* Camera 0 may be free too, where another one has the reference clock. */
@@ -1097,5 +1421,15 @@ TEST_MAIN()
     RUN_TEST(test_narrow_cameras_have_the_same_faults_whichever_is_held);
     RUN_TEST(test_clocks_need_not_be_written);
     RUN_TEST(test_placements_that_nothing_fixes_are_degenerate);
+    RUN_TEST(test_the_origin_of_the_board_changes_no_fault);
+    RUN_TEST(test_the_order_of_points_changes_no_fault);
+    RUN_TEST(test_placements_count_that_a_camera_saw);
+    RUN_TEST(test_a_camera_with_one_view_has_faults);
+    RUN_TEST(test_a_move_has_views_on_both_sides);
+    RUN_TEST(test_without_motion_nothing_lies_along_it);
+    RUN_TEST(test_the_pattern_is_that_of_all_views);
+    RUN_TEST(test_the_limit_of_truncation_is_4_sigma);
+    RUN_TEST(test_a_view_that_is_wrong_is_named);
+    RUN_TEST(test_arguments_are_checked_from_both_sides);
     RUN_TEST(test_free_clocks_are_counted_from_camera_0);
 }

@@ -1096,6 +1096,7 @@ static void test_the_origin_of_the_board_changes_no_fault(void)
 
     WANTS_A_RIG;
     set_up(&x, 1);
+    x.rig.clocks = NULL; /* the curve through its origins would be another one */
     (void)least_sum(&x);
     test_it(&x);
     const rigcal_faults found = x.found;

@@ -206,9 +206,9 @@ static void test_a_fault_explains_half_of_what_disagrees(void)
     ASSERT_NEAR(5, rc_F_of(&common, 0, 0, 0), TOL(1e-12, 1e-5));
     for (int less = 0; less < 2; less++) {
         memset(&fault, 0, sizeof fault);
-        step.gain = RC(205 - less);
+        step.gain = RC(205 - 0.1 * less);
         rc_finding_of(&fault, &common, &step);
-        ASSERT_NEAR(3 + 0.01 * less, fault.F_after, TOL(1e-12, 1e-5));
+        ASSERT_NEAR(3 + 0.001 * less, fault.F_after, TOL(1e-12, 1e-5));
         TEST_ASSERT_EQUAL_INT(!less, fault.explains);
     }
 }
@@ -434,6 +434,28 @@ static void test_the_first_fault_is_found_if_its_chance_among_all_is_below_a_per
     ASSERT_NEAR(0, found.explained, 0);
 }
 
+/* The limits themselves are beyond. The quantile of F is 2.26 for 30 and 120 degrees of
+ * freedom, and 2.28 for 29. */
+static void test_the_limits_of_a_verdict(void)
+{
+    static const double P[3] = {0, 0, 0}, BIC[3] = {0, 9.2, 9.3};
+    rigcal_fault fault = {.is_seen = 1, .p = RC(0.01), .F_after = 1};
+    rigcal_faults found;
+
+    for (int less = 0; less < 2; less++) {
+        memset(&found, 0, sizeof found);
+        found.n = found.n_seen = 1;
+        fault.p = RC(0.01) * (less ? RC(0.999) : 1);
+        rc_finding_judge(&found, &fault, &COMMON);
+        TEST_ASSERT_EQUAL_INT32(less ? RIGCAL_FAULTS_NAMED : 0, found.bits);
+    }
+    judge(&found, P, BIC, 1, 2.27);
+    TEST_ASSERT_EQUAL_INT32(0, found.n_alike);
+    TEST_ASSERT_EQUAL_INT32(RIGCAL_RIG_EXPLAINED, found.verdict);
+    judge(&found, P, BIC, 1, 2.255);
+    TEST_ASSERT_EQUAL_INT32(RIGCAL_RIG_AGREES, found.verdict);
+}
+
 /* Criteria within 9.2 of the first. */
 static void test_faults_whose_criteria_differ_little_are_alike(void)
 {
@@ -537,6 +559,7 @@ TEST_MAIN()
     RUN_TEST(test_a_fault_explains_too_if_what_is_left_may_be_noise);
     RUN_TEST(test_faults_that_are_not_seen_are_in_the_order_of_their_kinds);
     RUN_TEST(test_the_first_fault_is_found_if_its_chance_among_all_is_below_a_percent);
+    RUN_TEST(test_the_limits_of_a_verdict);
     RUN_TEST(test_faults_whose_criteria_differ_little_are_alike);
     RUN_TEST(test_a_pattern_is_over_both_limits);
     RUN_TEST(test_a_correlation_is_within_one);

@@ -330,14 +330,21 @@ static void test_views_that_cannot_be_are_refused_and_change_nothing(void)
     TEST_ASSERT_EQUAL_MEMORY(kept, w.monitor, sizeof kept);
     show(0, &rng, 0);
     memcpy(kept, w.monitor, sizeof kept);
-    see(o, 1, &rng, 0);
-    o[5].X_w[0] = 0;
-    o[5].X_w[1] = 0;
-    o[5].X_w[2] = -20; /* behind both */
-    ASSERT_STATUS(RIGCAL_ERR_BEHIND,
-                  rigcal_monitor_view(w.monitor, &at_fault, 1, 0, o, POINTS, 1));
-    TEST_ASSERT_EQUAL_INT32(5, at_fault);
-    TEST_ASSERT_EQUAL_MEMORY(kept, w.monitor, sizeof kept);
+    for (int i = 0; i < POINTS; i++) {
+        see(o, 1, &rng, 0);
+        o[i].uv[0] = TEST_INF;
+        ASSERT_STATUS(RIGCAL_ERR_NOT_FINITE,
+                      rigcal_monitor_view(w.monitor, &at_fault, 1, 0, o, POINTS, 1));
+        TEST_ASSERT_EQUAL_INT32(i, at_fault);
+        see(o, 1, &rng, 0);
+        o[i].X_w[0] = 0;
+        o[i].X_w[1] = 0;
+        o[i].X_w[2] = -20; /* behind both */
+        ASSERT_STATUS(RIGCAL_ERR_BEHIND,
+                      rigcal_monitor_view(w.monitor, &at_fault, 1, 0, o, POINTS, 1));
+        TEST_ASSERT_EQUAL_INT32(i, at_fault);
+        TEST_ASSERT_EQUAL_MEMORY(kept, w.monitor, sizeof kept);
+    }
 }
 
 /* A target without a place has no pose and no share, and is blind. It is not a camera. */

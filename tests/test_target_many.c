@@ -81,12 +81,17 @@ static void test_each_target_has_a_place_of_its_own(void)
     for (int k = 0; k < 2 * TARGETS; k++) {
         const int target = ORDER[k % TARGETS];
 
+        rigcal_body_report report;
+
         is_placed[target] = k < TARGETS;
         if (k < TARGETS) {
             show(0, target, &rng);
         } else {
             ASSERT_STATUS(RIGCAL_OK, rigcal_monitor_lifted(w.monitor, (size_t)target));
         }
+        ASSERT_STATUS(RIGCAL_OK,
+                      rigcal_monitor_body(&report, w.monitor, 2 + (size_t)target));
+        TEST_ASSERT_EQUAL_INT(is_placed[target], report.weakest_sigma > 0);
         for (int t = 0; t < TARGETS; t++) {
             assert_place(t, is_placed[t]);
         }

@@ -595,6 +595,7 @@ static void test_time_moves_cameras_and_not_targets(void)
 /* Without an alarm an opened camera is uncertain by the largest move, and others stay. */
 static void test_an_opened_camera_is_uncertain_by_the_largest_move(void)
 {
+    const watched_matches some = {20, 0.3, 0, 1};
     test_rng rng = test_seed(909);
     rigcal_monitor_options o;
     rigcal_real before[36], after[36];
@@ -606,16 +607,21 @@ static void test_an_opened_camera_is_uncertain_by_the_largest_move(void)
     for (size_t opened = 0; opened < 2; opened++) { /* 0: the frame, so camera 1 moves */
         test_watched_make(&w, &rng, 2, 1, 0.05 * DEGREE, 2e-3);
         test_watched_begin(&w, 0, &o);
+        test_watched_match(&w, &rng, &some);
+        ASSERT_STATUS(RIGCAL_OK, rigcal_monitor_frame(NULL, w.monitor, 0));
         covariance_of(before, 1);
         ASSERT_STATUS(RIGCAL_OK, rigcal_monitor_moved(w.monitor, opened));
         ASSERT_STATUS(RIGCAL_OK,
                       rigcal_monitor_ask(&(rigcal_monitor_report){0}, w.monitor));
         covariance_of(after, 1);
-        for (int k = 0; k < 3; k++) {
-            ASSERT_NEAR(D(before[7 * k]) + 0.0625, after[7 * k], TOL(1e-14, 1e-7));
-        }
-        for (int k = 3; k < 6 && opened == 1; k++) {
-            ASSERT_NEAR(D(before[7 * k]) + 0.25, after[7 * k], TOL(1e-14, 1e-7));
+        for (int k = 0; k < 36; k++) {
+            const double q = k % 7 > 0 ? 0 : k < 18 ? 0.0625 : 0.25;
+
+            if (opened == 1) { /* in its own axes */
+                ASSERT_NEAR(D(before[k]) + q, after[k], TOL(1e-14, 1e-7));
+            } else if (k % 7 == 0 && k < 18) { /* a turn, in any axes */
+                TEST_ASSERT_TRUE(D(after[k]) > D(before[k]) + 0.06);
+            }
         }
     }
 }

@@ -604,6 +604,17 @@ static void test_what_would_go_unseen_has_its_size(void)
     ASSERT_SAYS("The clock of top, off by 3 ms, would go unseen; the");
 }
 
+/* What comes next is of the first fault, whatever would go unseen. */
+static void test_what_comes_next_is_of_the_first_fault(void)
+{
+    explained_by(RIGCAL_FAULT_FOCAL, 1, 0.0123, 0.001);
+    faults[1].kind = faults[2].kind = RIGCAL_FAULT_DRIFT;
+    words.with_unseen = 1;
+    say();
+    ASSERT_SAYS("The clock of top, off by 5000 millionths, would go unseen; the");
+    ASSERT_SAYS("Next: check that its intrinsics are its own, and calibrate them again.");
+}
+
 /* ---- what is refused ---------------------------------------------------------------- */
 
 static void expect_status(rigcal_status status)
@@ -746,6 +757,7 @@ TEST_MAIN()
     RUN_TEST(test_units_are_those_of_the_caller);
     RUN_TEST(test_each_clock_that_is_free_is_told);
     RUN_TEST(test_what_would_go_unseen_has_its_size);
+    RUN_TEST(test_what_comes_next_is_of_the_first_fault);
     RUN_TEST(test_each_number_is_checked);
     RUN_TEST(test_counts_are_checked_from_both_sides);
     RUN_TEST(test_outputs_that_are_not_wanted);

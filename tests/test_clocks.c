@@ -482,6 +482,30 @@ static void test_a_clock_that_is_known_is_held(void)
     ASSERT_NEAR(1, fit.F, 0.6);
 }
 
+/* Any number but 0 holds a clock. If none is held, that of the first camera is. */
+static void test_each_clock_is_held_or_free(void)
+{
+    static const uint8_t HELD[5][3] = {
+        {0, 0, 0}, {2, 0, 0}, {0, 2, 0}, {0, 1, 2}, {1, 1, 1}};
+    static const uint8_t IS_FREE[5][3] = {
+        {0, 1, 1}, {0, 1, 1}, {1, 0, 1}, {1, 0, 0}, {0, 0, 0}};
+    rigcal_rig_fit fit;
+
+    WANTS_MOTIONS();
+    for (int k = 0; k < 5; k++) {
+        make(&SCENE, 105);
+        m.clocks.held = HELD[k];
+        TEST_ASSERT_TRUE(adjust(&fit) >= 0);
+        for (int c = 0; c < 3; c++) {
+            TEST_ASSERT_EQUAL_INT32(IS_FREE[k][c] ? RIGCAL_CLOCK_FREE : RIGCAL_CLOCK_HELD,
+                                    m.states[c]);
+            if (!IS_FREE[k][c]) {
+                ASSERT_NEAR(0, m.offsets[c], 0);
+            }
+        }
+    }
+}
+
 /* Here no drift is estimated. */
 static void test_drifts_that_are_held_are_exact(void)
 {
@@ -897,6 +921,7 @@ TEST_MAIN()
     RUN_TEST(test_clocks_of_a_target_that_stands_still_are_held);
     RUN_TEST(test_clocks_of_single_pictures_are_held);
     RUN_TEST(test_a_clock_that_is_known_is_held);
+    RUN_TEST(test_each_clock_is_held_or_free);
     RUN_TEST(test_drifts_that_are_held_are_exact);
     RUN_TEST(test_the_clock_of_a_camera_without_views_is_left_alone);
     RUN_TEST(test_what_is_left_is_of_views_at_their_times);

@@ -588,6 +588,14 @@ static void test_each_clock_that_is_free_is_told(void)
     ASSERT_SAYS("the clocks: against the first camera, . That");
 }
 
+/* A fault of 0 goes the way of positive ones. */
+static void test_a_fault_of_0_has_a_way(void)
+{
+    explained_by(RIGCAL_FAULT_FOCAL, 1, 0, 0.001);
+    say();
+    ASSERT_SAYS("the focal length of right: longer than given by 0.10 %.");
+}
+
 /* Of the clocks together, and of a move, no size is told. */
 static void test_what_would_go_unseen_has_its_size(void)
 {
@@ -756,6 +764,7 @@ TEST_MAIN()
     RUN_TEST(test_no_more_than_all_is_explained);
     RUN_TEST(test_units_are_those_of_the_caller);
     RUN_TEST(test_each_clock_that_is_free_is_told);
+    RUN_TEST(test_a_fault_of_0_has_a_way);
     RUN_TEST(test_what_would_go_unseen_has_its_size);
     RUN_TEST(test_what_comes_next_is_of_the_first_fault);
     RUN_TEST(test_each_number_is_checked);

@@ -305,7 +305,7 @@ static void compare(double common, double size, int n, int from, uint64_t seed)
                 ASSERT_NEAR(share[b], share_of(b), TOL(1e-6, 1e-2));
             }
         }
-        if (f == 100) {
+        if (f == 102) { /* all windows are on their way */
             rc_alarm_again(&alarm, bodies);
             for (int b = 0; b < BODIES; b++) {
                 for (int i = 0; i < WINDOWS; i++) {
@@ -333,8 +333,10 @@ static void test_the_evidence_is_that_of_dense_determinants(void)
 /* With this many rows one frame alone may raise the alarm, so all windows count. */
 static void test_the_evidence_is_right_where_a_frame_has_many_rows(void)
 {
-    TEST_ON_HOST_ONLY("225000 rows");
+    TEST_ON_HOST_ONLY("330000 rows");
     compare(0.5, 1, 250, 0, 11);
+    compare(0, 1, 60, 0, 13); /* the window of four frames is the first one */
+    compare(0, 1, 60, 0, 14);
 }
 
 /* Rows with two thousand times the information: the determinants are beyond the range of

@@ -18,16 +18,18 @@ static void write_poses(FILE *file, const calibration *c)
             "sigma_rot_deg,sigma_pos,second_rms_px,probability,verdict");
     for (i = 0; i < c->n_views; i++) {
         const view *v = &c->views[i];
-        const rigcal_pose *other = view_second(v);
+        const kept_pose *other = view_second(v);
+        const kept_pose *taken = view_taken(v);
+        const rigcal_transform cam_from_target = kept_transform(taken);
 
         fprintf(file, "%s,%s,%lu", c->cameras.names.name[v->camera],
                 c->observations.frames.name[v->frame], (unsigned long)v->n);
-        cli_write_transform(file, &view_taken(v)->cam_from_world);
-        cli_write_numbers(file, &view_taken(v)->rms_px, 1);
+        cli_write_transform(file, &cam_from_target);
+        cli_write_numbers(file, &taken->rms_px, 1);
         cli_write_known(file, v->sigma_deg, v->has_sigma);
         cli_write_known(file, v->sigma_pos, v->has_sigma);
         cli_write_known(file, other ? other->rms_px : 0, other != NULL);
-        cli_write_known(file, view_taken(v)->probability, !v->by_paper);
+        cli_write_known(file, taken->probability, !v->by_paper);
         fprintf(file, ",%s\n", v->verdict >= 0 ? VERDICT[v->verdict] : "");
     }
 }

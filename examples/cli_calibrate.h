@@ -1,9 +1,10 @@
 /* cli_calibrate.h - what the parts of rigcal calibrate share: every camera's pose in every
  * frame (cli_solve.c), targets that look the same from several sides (cli_turned.c,
  * cli_symmetry.c), the rig that they form (cli_rig.c), which views are wrong
- * (cli_judge.c) and why (cli_causes.c, cli_suspects.c), its intrinsics (cli_estimate.c),
- * what is known of its cameras beforehand (cli_prior.c), what a person reads of it
- * (cli_findings.c, cli_report.c, cli_graph.c), and options and files (cli_calibrate.c). */
+ * (cli_judge.c) and why (cli_causes.c, cli_part.c, cli_suspects.c), its intrinsics
+ * (cli_estimate.c), what is known of its cameras beforehand (cli_prior.c), what a person
+ * reads of it (cli_findings.c, cli_report.c, cli_graph.c), and options and files
+ * (cli_calibrate.c). */
 #ifndef RIGCAL_CLI_CALIBRATE_H
 #define RIGCAL_CLI_CALIBRATE_H
 
@@ -16,15 +17,20 @@
  * pixel. */
 enum { POINT_DISAGREES = 0, POINT_COUNTS = 1, POINT_UNSEEN = 2 };
 
-/* Poses of a view that are kept: the one that is taken, and the best of the others. */
+/* Poses of a view that are kept: the one that is taken, and the best of the others. Their
+ * rotations are kept as quaternions: a third of the memory. */
 enum { POSES_KEPT = 2 };
+typedef struct {
+    rigcal_real q_wxyz[4], t[3];
+    rigcal_real rms_px, probability; /* as in rigcal_pose */
+} kept_pose;
 
 /* One camera in one frame. There may be a million of them, so the numbers are as small as
  * possible. */
 typedef struct {
     const cli_observation *first;
     uint8_t *agree;         /* of each point: POINT_; NULL: all count */
-    rigcal_pose *poses;     /* best first */
+    kept_pose *poses;       /* best first */
     uint32_t camera, frame; /* numbers of their names */
     uint32_t n_seen;
     uint32_t n_unseen; /* points left out because the lens images no ray there */
@@ -147,21 +153,21 @@ typedef struct {
     known_times times;
     int has_intrinsics; /* --intrinsics-sigma */
     rigcal_intrinsics_sigma intrinsics;
-    size_t *camera;       /* for each camera of the rig: the number of its name */
-    size_t main_camera;   /* camera of the rig whose frame is the rig's: the first that is
+    size_t *camera;     /* for each camera of the rig: the number of its name */
+    size_t main_camera; /* camera of the rig whose frame is the rig's: the first that is
                              fixed, or else the first */
-    int *in_frame;        /* for each camera of the rig: whether it has a pose in the main
+    int *in_frame;      /* for each camera of the rig: whether it has a pose in the main
                              camera's frame */
-    rigcal_rig rig;       /* Its views are sorted by placement. Placements are frames. After
+    rigcal_rig rig;     /* Its views are sorted by placement. Placements are frames. After
                            frames were paired anew, some placements have no frame. */
-    size_t *placement_of; /* for each frame: its placement */
-    int32_t *paired_by;   /* for each camera of the rig: how many frames later its pictures
+    uint32_t *placement_of; /* for each frame: its placement */
+    int32_t *paired_by; /* for each camera of the rig: how many frames later its pictures
                            belong */
-    size_t n_paired;      /* how often frames were paired anew */
+    size_t n_paired;    /* how often frames were paired anew */
     rigcal_rig_clocks clocks;
     double *placement_time;
     uint32_t *view_of; /* for each view of the rig: its number in `views` */
-    int *placed;       /* for each placement: whether it has a pose in the main camera's
+    uint8_t *placed;   /* for each placement: whether it has a pose in the main camera's
                         frame */
 
     rigcal_choice choice;
@@ -196,9 +202,14 @@ typedef struct {
                                    estimated */
 } calibration;
 
+/* View `index` of the rig. */
+view *rig_view(const calibration *c, size_t index);
+
 /* The pose that was taken. The best pose of those not taken, or NULL. */
-const rigcal_pose *view_taken(const view *v);
-const rigcal_pose *view_second(const view *v);
+const kept_pose *view_taken(const view *v);
+const kept_pose *view_second(const view *v);
+rigcal_transform kept_transform(const kept_pose *kept);
+void keep_transform(kept_pose *kept, const rigcal_transform *cam_from_target);
 
 /* The views of a camera, in the order of frames: from *first to just before the one that is
  * returned. */
@@ -326,6 +337,18 @@ typedef struct {
     int is_mirrored[SYMMETRIES_MOST];
 } symmetries;
 const symmetries *symmetries_of(const rigcal_view *seen);
+
+/* The rig with some of its views alone, for a search of the library that needs no more. */
+typedef struct {
+    calibration *c;
+    rigcal_rig rig; /* the rig, with these views alone */
+    size_t *views;  /* their numbers in the rig, ascending */
+    uint8_t *left_out;
+} rig_part;
+void open_part_of_camera(rig_part *part, calibration *c, size_t camera);
+void close_part(rig_part *part);
+rigcal_status cause_of_view(rigcal_cause *cause, calibration *c, size_t i,
+                            const symmetries *by);
 
 /* "a, b and c", for about ten names at most. */
 const char *names_joined(const char *const names[], size_t n, const char *last);

@@ -28,11 +28,6 @@ static void set_reason(reason *r, const char *before, const char *name, const ch
     r->advice = advice;
 }
 
-static view *judged_view(const calibration *c, size_t i)
-{
-    return &c->views[c->view_of[i]];
-}
-
 /* ==== from the library's cause to words =================================== */
 
 static void tell_turn(reason *r, const char *of, double deg, int is_mirrored)
@@ -152,7 +147,7 @@ static double coordinate_factor(const calibration *c, const view *v,
  * direction and with the same rotation; 0: it is not. */
 static double distance_factor(const calibration *c, const view *v)
 {
-    const rigcal_real *found = view_taken(v)->cam_from_world.t;
+    const rigcal_transform found = kept_transform(view_taken(v));
     rigcal_transform there;
     rigcal_real angle = 0;
     double cosine;
@@ -162,10 +157,10 @@ static double distance_factor(const calibration *c, const view *v)
                                  &c->rig.rig_from_placements[v->placement]) < 0) {
         return 0;
     }
-    rigcal_rotation_angle(&angle, there.R, view_taken(v)->cam_from_world.R);
-    cosine = dot(found, there.t) / (length_of(found) * length_of(there.t));
+    rigcal_rotation_angle(&angle, there.R, found.R);
+    cosine = dot(found.t, there.t) / (length_of(found.t) * length_of(there.t));
     return DEGREE * (double)angle < 3 && cosine > 0.9986
-               ? length_of(found) / length_of(there.t)
+               ? length_of(found.t) / length_of(there.t)
                : 0;
 }
 
@@ -246,9 +241,9 @@ static void tell_point(reason *r, const calibration *c, const view *v)
 }
 
 /* The reason why view i of the rig is wrong. */
-static reason find_reason(const calibration *c, size_t i, const rigcal_real *const place[])
+static reason find_reason(calibration *c, size_t i, const rigcal_real *const place[])
 {
-    const view *v = judged_view(c, i);
+    const view *v = rig_view(c, i);
     const char *camera = view_camera_name(c, v);
     const rigcal_view seen = view_points(c, v);
     const symmetries *by = symmetries_of(&seen);
@@ -256,8 +251,7 @@ static reason find_reason(const calibration *c, size_t i, const rigcal_real *con
     rigcal_cause cause = {0};
 
     tell_unit(&r, c, v, place);
-    if (r.after == NULL &&
-        rigcal_rig_cause(&cause, &c->rig, &c->judgement, &by->of, i) == RIGCAL_OK &&
+    if (r.after == NULL && cause_of_view(&cause, c, i, by) == RIGCAL_OK &&
         !(cause.cause == RIGCAL_CAUSE_SWAPPED && (size_t)cause.camera < v->rig_camera)) {
         tell_cause(&r, c, &cause, by, camera, 1);
     } else if (r.after != NULL || cause.cause == RIGCAL_CAUSE_SWAPPED) {
@@ -355,7 +349,7 @@ static void collect_placement(wrong_views *w, calibration *c, size_t first, size
 
     memset(w, 0, sizeof *w);
     for (i = first; i < end; i++) {
-        view *v = judged_view(c, i);
+        view *v = rig_view(c, i);
 
         if (!v->is_left_out) {
             continue;
@@ -389,8 +383,8 @@ static void find_wrong_placements(calibration *c)
     for (first = 0; first < c->rig.n_views; first = end) {
         wrong_views w;
 
-        for (end = first; end < c->rig.n_views && judged_view(c, end)->placement ==
-                                                      judged_view(c, first)->placement;
+        for (end = first; end < c->rig.n_views &&
+                          rig_view(c, end)->placement == rig_view(c, first)->placement;
              end++) {
         }
         collect_placement(&w, c, first, end, place);
@@ -407,7 +401,7 @@ static void find_wrong_placements(calibration *c)
  * most points, gives the symmetries. If there is no rig, it is not known how much more than
  * noise right views differ. Then `scales` limits are tried, each four times the one
  * before. */
-static reason find_camera_reason(const calibration *c, size_t camera, int scales)
+static reason find_camera_reason(calibration *c, size_t camera, int scales)
 {
     rigcal_judgement judgement = c->judgement;
     const view *most = NULL;
@@ -415,11 +409,12 @@ static reason find_camera_reason(const calibration *c, size_t camera, int scales
     rigcal_view seen;
     reason r = NOTHING;
     rigcal_cause cause;
+    rig_part part;
     size_t i;
     int k;
 
     for (i = 0; i < c->rig.n_views; i++) {
-        const view *v = judged_view(c, i);
+        const view *v = rig_view(c, i);
 
         if (v->rig_camera == camera && (most == NULL || v->n > most->n)) {
             most = v;
@@ -430,13 +425,15 @@ static reason find_camera_reason(const calibration *c, size_t camera, int scales
     }
     seen = view_points(c, most);
     by = symmetries_of(&seen);
+    open_part_of_camera(&part, c, camera);
     for (k = 0; k < scales && r.after == NULL; k++) {
-        if (rigcal_camera_cause(&cause, &c->rig, &judgement, &by->of, camera) ==
+        if (rigcal_camera_cause(&cause, &part.rig, &judgement, &by->of, camera) ==
             RIGCAL_OK) {
             tell_cause(&r, c, &cause, by, rig_camera_name(c, camera), 0);
         }
         judgement.scale *= 4;
     }
+    close_part(&part);
     return r;
 }
 
@@ -491,7 +488,7 @@ static void find_wrong_cameras(calibration *c)
     size_t i;
 
     for (i = 0; i < c->rig.n_views; i++) {
-        const view *v = judged_view(c, i);
+        const view *v = rig_view(c, i);
 
         n[v->rig_camera] += v->verdict != RIGCAL_VIEW_UNCHECKED;
         n_out[v->rig_camera] += v->verdict == RIGCAL_VIEW_CONTRADICTS;

@@ -36,15 +36,15 @@ static void solve_again(const calibration *c, view *v, rigcal_view_pose *pose)
     size_t n;
 
     options.use_start = 1;
-    options.start = view_taken(v)->cam_from_world;
+    options.start = kept_transform(view_taken(v));
     memset(&in_rig, 0, sizeof in_rig);
     in_rig.view = seen;
     in_rig.camera = (int32_t)v->rig_camera;
     in_rig.placement = (int32_t)v->placement;
     if (rigcal_pose_solve(found, RIGCAL_POSES_MAX, &n, &at_fault, &seen, &options) >= 0 &&
         rigcal_view_pose_make(&made, &in_rig, &found[0].cam_from_world) == RIGCAL_OK) {
-        found[0].probability = view_taken(v)->probability;
-        v->poses[v->taken] = found[0];
+        keep_transform(&v->poses[v->taken], &found[0].cam_from_world);
+        v->poses[v->taken].rms_px = found[0].rms_px;
         view_take(c, v, v->taken);
         *pose = made;
     }
@@ -65,7 +65,7 @@ static void change_cameras(calibration *c, const estimate *e)
         rigcal_camera_change(&c->cameras.camera[c->camera[i]], &e->nominal[i], &e->made[i]);
     }
     for (i = 0; i < c->rig.n_views; i++) {
-        solve_again(c, &c->views[c->view_of[i]], &e->poses[i]);
+        solve_again(c, rig_view(c, i), &e->poses[i]);
     }
 }
 

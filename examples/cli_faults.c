@@ -9,11 +9,6 @@
  * estimated too small at first. */
 enum { PAIRED_MOST = 3 };
 
-static view *rig_view(const calibration *c, size_t index)
-{
-    return &c->views[c->view_of[index]];
-}
-
 /* ==== times =============================================================== */
 
 static void open_clocks(calibration *c)
@@ -145,7 +140,7 @@ static void pair_anew(calibration *c)
         number[moments[i].number] = i;
         c->placement_time[i] = moments[i].time;
         if (moments[i].frame != CLI_UNKNOWN) {
-            c->placement_of[moments[i].frame] = i;
+            c->placement_of[moments[i].frame] = (uint32_t)i;
         }
     }
     for (i = 0; i < c->n_views; i++) {
@@ -259,6 +254,7 @@ static void place_all(const calibration *c)
     for (first = 0; first < rig->n_views; first = end) {
         const view *v = rig_view(c, first);
         rigcal_transform rig_from_cam, placed;
+        const rigcal_transform best = kept_transform(&v->poses[0]);
         int is_placed = 0;
 
         for (end = first; end < rig->n_views && rig_view(c, end)->placement == v->placement;
@@ -268,8 +264,7 @@ static void place_all(const calibration *c)
         if (!is_placed &&
             rigcal_transform_invert(&rig_from_cam, &rig->cams_from_rig[v->rig_camera]) >=
                 0 &&
-            rigcal_transform_compose(&placed, &rig_from_cam, &v->poses[0].cam_from_world) >=
-                0) {
+            rigcal_transform_compose(&placed, &rig_from_cam, &best) >= 0) {
             rig->rig_from_placements[v->placement] = placed;
         }
     }
@@ -418,11 +413,16 @@ int test_all_views(calibration *c)
 {
     rigcal_rig *rig = &c->rig;
     const size_t n_cameras = rig->n_cameras, n_placements = rig->n_placements;
-    rigcal_transform *cameras = cli_alloc(n_cameras, sizeof *cameras);
-    rigcal_transform *placements = cli_alloc(n_placements, sizeof *placements);
-    uint8_t *left_out = cli_alloc(rig->n_views, sizeof *left_out);
+    rigcal_transform *cameras, *placements;
+    uint8_t *left_out;
     int outcome;
 
+    if (n_cameras < 2) {
+        return TEST_TELLS_NOTHING; /* nothing that could disagree */
+    }
+    cameras = cli_alloc(n_cameras, sizeof *cameras);
+    placements = cli_alloc(n_placements, sizeof *placements);
+    left_out = cli_alloc(rig->n_views, sizeof *left_out);
     memcpy(cameras, rig->cams_from_rig, n_cameras * sizeof *cameras);
     memcpy(placements, rig->rig_from_placements, n_placements * sizeof *placements);
     outcome = test_views(c, left_out, mark_not_taken(left_out, c));

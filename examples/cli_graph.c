@@ -27,6 +27,9 @@ static rigcal_link *links_of(const calibration *c)
     rigcal_rig rig = c->rig;
     int32_t at_fault, n_groups;
 
+    if (n == 0) {
+        return links;
+    }
     rig.work = cli_alloc(rig.work_capacity, sizeof *rig.work);
     rig.group = cli_alloc(rig.n_cameras, sizeof *rig.group);
     if (rigcal_rig_links(links, n + 1, &n_groups, &at_fault, &rig) < 0) {

@@ -81,7 +81,7 @@ void note_verdicts(calibration *c)
     size_t i;
 
     for (i = 0; i < c->rig.n_views; i++) {
-        view *v = &c->views[c->view_of[i]];
+        view *v = rig_view(c, i);
 
         v->verdict = (int8_t)c->judged[i].verdict;
         v->is_left_out =
@@ -108,7 +108,7 @@ static size_t first_camera(const calibration *c)
     size_t first = c->rig.n_cameras, i;
 
     for (i = 0; i < c->rig.n_views; i++) {
-        const view *v = &c->views[c->view_of[i]];
+        const view *v = rig_view(c, i);
 
         if (v->in_rig && v->rig_camera < first) {
             first = v->rig_camera;
@@ -158,9 +158,9 @@ static rigcal_status change_frame(calibration *c, size_t main_camera, int32_t *a
     return rigcal_rig_adjust(&c->judgement.fit, at_fault, rig);
 }
 
-/* If the adjustment fails, the rig remains that of the choice: `cameras`, `placements`. */
-static int judge_from(calibration *c, const rigcal_transform cameras[],
-                      const rigcal_transform placements[])
+/* If the adjustment fails, the rig remains that of the choice, which is then made again: a
+ * copy of a million placements would be large. */
+static int judge_views(calibration *c)
 {
     rigcal_rig *rig = &c->rig;
     uint8_t *left_out = cli_alloc(rig->n_views, sizeof *left_out);
@@ -180,10 +180,9 @@ static int judge_from(calibration *c, const rigcal_transform cameras[],
     }
     if (status < 0) {
         name_rig_trouble(c, "the rig is joined but not adjusted,", status, at_fault);
-        memcpy(rig->cams_from_rig, cameras, rig->n_cameras * sizeof *cameras);
-        memcpy(rig->rig_from_placements, placements,
-               rig->n_placements * sizeof *placements);
         rig->left_out = NULL;
+        choose_poses(c, &at_fault);
+        make_exact(c);
         return 1;
     }
     if (status != RIGCAL_OK && status != RIGCAL_DISCONNECTED &&
@@ -194,22 +193,6 @@ static int judge_from(calibration *c, const rigcal_transform cameras[],
     c->is_adjusted = 1;
     find_causes(c);
     return 1;
-}
-
-static int judge_views(calibration *c)
-{
-    const rigcal_rig *rig = &c->rig;
-    const size_t n_cameras = rig->n_cameras, n_placements = rig->n_placements;
-    rigcal_transform *cameras = cli_alloc(n_cameras, sizeof *cameras);
-    rigcal_transform *placements = cli_alloc(n_placements, sizeof *placements);
-    int is_rig;
-
-    memcpy(cameras, rig->cams_from_rig, n_cameras * sizeof *cameras);
-    memcpy(placements, rig->rig_from_placements, n_placements * sizeof *placements);
-    is_rig = judge_from(c, cameras, placements);
-    cli_free(cameras);
-    cli_free(placements);
-    return is_rig;
 }
 
 int judge_rig(calibration *c)

@@ -119,7 +119,7 @@ static void print_sigma(const view *v)
 
 static void print_caveat(const view *v)
 {
-    const rigcal_pose *other = view_second(v);
+    const kept_pose *other = view_second(v);
 
     if (v->by_paper && v->n == 3) {
         printf("  three points fit several poses; one, by --method paper");

@@ -57,7 +57,7 @@ const view *views_of(const view **first, const calibration *c, size_t camera)
 
 /* A view of the rig, and its number in `views`. */
 typedef struct {
-    size_t placement, view;
+    uint32_t placement, view;
 } place;
 
 static int compare_places(const void *va, const void *vb)
@@ -68,6 +68,11 @@ static int compare_places(const void *va, const void *vb)
         return a->placement < b->placement ? -1 : 1;
     }
     return a->view < b->view ? -1 : a->view > b->view;
+}
+
+view *rig_view(const calibration *c, size_t index)
+{
+    return &c->views[c->view_of[index]];
 }
 
 /* Numbers the cameras that have a view anew, in the order of the file. */
@@ -96,7 +101,7 @@ static void gather_views(calibration *c)
     }
     for (i = 0; i < c->n_views; i++) {
         places[i].placement = c->views[i].placement;
-        places[i].view = i;
+        places[i].view = (uint32_t)i;
     }
     qsort(places, c->n_views, sizeof *places, compare_places);
     for (i = 0; i < c->n_views; i++) {
@@ -107,7 +112,7 @@ static void gather_views(calibration *c)
         v->in_rig = status == RIGCAL_OK;
         if (v->in_rig) {
             v->rig_view = (uint32_t)n;
-            c->view_of[n++] = (uint32_t)places[i].view;
+            c->view_of[n++] = places[i].view;
         } else if (c->n_paired == 0) { /* otherwise the user has been told */
             say_of_view(c, v, TROUBLE_LEFT_OUT, status, 0);
             c->exit_status = CLI_GEOMETRY;
@@ -228,7 +233,7 @@ void name_rig_trouble(calibration *c, const char *what, rigcal_status status,
 {
     c->exit_status = CLI_GEOMETRY;
     if (at_fault >= 0) {
-        const view *v = &c->views[c->view_of[at_fault]];
+        const view *v = rig_view(c, (size_t)at_fault);
 
         cli_say("%s because of camera %s in frame %s: %s", what,
                 c->cameras.names.name[v->camera], c->observations.frames.name[v->frame],
@@ -374,7 +379,9 @@ static void find_placed(calibration *c)
     for (i = 0; i < c->n_views; i++) {
         const view *v = &c->views[i];
 
-        c->placed[v->placement] |= v->in_rig && c->in_frame[v->rig_camera];
+        if (v->in_rig && c->in_frame[v->rig_camera]) {
+            c->placed[v->placement] = 1;
+        }
         hidden[v->placement] |= v->is_left_out;
     }
     for (i = 0; i < c->observations.frames.count; i++) {
@@ -398,7 +405,7 @@ static void place_alone(calibration *c)
 
         v->in_rig = v->in_rig && v->rig_camera == c->main_camera;
         if (v->in_rig) {
-            c->rig.rig_from_placements[v->placement] = view_taken(v)->cam_from_world;
+            c->rig.rig_from_placements[v->placement] = kept_transform(view_taken(v));
         }
     }
 }
@@ -407,7 +414,7 @@ static void place_alone(calibration *c)
 
 rigcal_transform view_in_rig(const calibration *c, const view *v)
 {
-    rigcal_transform pose = view_taken(v)->cam_from_world;
+    rigcal_transform pose = kept_transform(view_taken(v));
 
     if (v->in_rig) {
         rigcal_transform_compose(&pose, &c->rig.cams_from_rig[v->rig_camera],
@@ -570,7 +577,7 @@ void form_rig(calibration *c)
     name_cameras_without_pose(c);
     c->placement_of = cli_alloc(c->observations.frames.count, sizeof *c->placement_of);
     for (i = 0; i < c->observations.frames.count; i++) {
-        c->placement_of[i] = i;
+        c->placement_of[i] = (uint32_t)i;
     }
     if (c->n_views == 0) {
         return;

@@ -16,17 +16,31 @@ enum { PAIRS_MOST = 16384 };
  * ms, and if most views are bad, they have one cause. */
 enum { DIAGNOSED_MOST = 100 };
 
-const rigcal_pose *view_taken(const view *v)
+const kept_pose *view_taken(const view *v)
 {
     return &v->poses[v->taken];
 }
 
-/* The best pose of those not taken, or NULL. */
-const rigcal_pose *view_second(const view *v)
+const kept_pose *view_second(const view *v)
 {
     const size_t other = v->taken == 0 ? 1 : 0;
 
     return other < v->n_poses ? &v->poses[other] : NULL;
+}
+
+rigcal_transform kept_transform(const kept_pose *kept)
+{
+    rigcal_transform cam_from_target;
+
+    rigcal_rotation_from_quaternion(cam_from_target.R, kept->q_wxyz);
+    memcpy(cam_from_target.t, kept->t, sizeof kept->t);
+    return cam_from_target;
+}
+
+void keep_transform(kept_pose *kept, const rigcal_transform *cam_from_target)
+{
+    rigcal_quaternion_from_rotation(kept->q_wxyz, cam_from_target->R);
+    memcpy(kept->t, cam_from_target->t, sizeof kept->t);
 }
 
 double length_of(const rigcal_real x[3])
@@ -51,7 +65,9 @@ int view_disagrees(const view *v, size_t k)
 
 int view_residual(residual *r, const calibration *c, const view *v, size_t k)
 {
-    return pose_residual(r, c, v, k, &view_taken(v)->cam_from_world);
+    const rigcal_transform cam_from_target = kept_transform(view_taken(v));
+
+    return pose_residual(r, c, v, k, &cam_from_target);
 }
 
 int pose_residual(residual *r, const calibration *c, const view *v, size_t k,
@@ -150,7 +166,7 @@ static rigcal_rig_view in_rig(const rigcal_view *seen, const view *v)
 rigcal_status view_at(rigcal_rig_view *seen, size_t index, void *context)
 {
     const calibration *c = context;
-    const view *v = &c->views[c->view_of[index]];
+    const view *v = rig_view(c, index);
     const rigcal_view points = view_points(c, v);
 
     c->gathered->of = 1 + c->view_of[index];
@@ -173,12 +189,16 @@ static known_information *room_for_information(const view *v)
 
 static void keep_poses(view *v, const rigcal_pose found[], size_t n_found)
 {
-    size_t size;
+    size_t size, k;
 
     v->n_poses = (uint8_t)(n_found < POSES_KEPT ? n_found : POSES_KEPT);
     size = v->n_poses * sizeof *v->poses;
     v->poses = cli_keep(size + (v->n >= MANY_POINTS ? sizeof(known_information) : 0));
-    memcpy(v->poses, found, size);
+    for (k = 0; k < v->n_poses; k++) {
+        keep_transform(&v->poses[k], &found[k].cam_from_world);
+        v->poses[k].rms_px = found[k].rms_px;
+        v->poses[k].probability = found[k].probability;
+    }
 }
 
 /* Views that the library has got from view_at stay as they are. */
@@ -186,6 +206,7 @@ static rigcal_status compute_pose(rigcal_view_pose *pose, const calibration *c,
                                   const view *v, size_t which)
 {
     const size_t of = 1 + (size_t)(v - c->views);
+    const rigcal_transform cam_from_target = kept_transform(&v->poses[which]);
     gathered_points *points = c->gathered;
     rigcal_view seen;
     rigcal_rig_view of_rig;
@@ -199,7 +220,7 @@ static rigcal_status compute_pose(rigcal_view_pose *pose, const calibration *c,
     }
     seen = view_with(points, c, v);
     of_rig = in_rig(&seen, v);
-    return rigcal_view_pose_make(pose, &of_rig, &v->poses[which].cam_from_world);
+    return rigcal_view_pose_make(pose, &of_rig, &cam_from_target);
 }
 
 rigcal_status make_pose(rigcal_view_pose *pose, const calibration *c, view *v, size_t which)
@@ -212,7 +233,7 @@ rigcal_status make_pose(rigcal_view_pose *pose, const calibration *c, view *v, s
         return RIGCAL_ERR_NO_POSE;
     }
     if (known != NULL && v->has_information) {
-        pose->cam_from_target = v->poses[0].cam_from_world;
+        pose->cam_from_target = kept_transform(&v->poses[0]);
         memcpy(pose->information, known->information, sizeof pose->information);
         pose->sse = known->sse;
         pose->n = v->n;
@@ -235,14 +256,14 @@ rigcal_status pose_at(rigcal_view_pose *pose, size_t index, void *context)
 {
     const calibration *c = context;
 
-    return make_pose(pose, c, &c->views[c->view_of[index]], 0);
+    return make_pose(pose, c, rig_view(c, index), 0);
 }
 
 rigcal_status second_pose_at(rigcal_view_pose *pose, size_t index, void *context)
 {
     const calibration *c = context;
 
-    make_pose(pose, c, &c->views[c->view_of[index]], 1);
+    make_pose(pose, c, rig_view(c, index), 1);
     return RIGCAL_OK;
 }
 
@@ -253,7 +274,7 @@ rigcal_view_pose pose_in_rig(const calibration *c, size_t index)
     if (c->rig.view_poses != NULL) {
         return c->rig.view_poses[index];
     }
-    make_pose(&pose, c, &c->views[c->view_of[index]], 0);
+    make_pose(&pose, c, rig_view(c, index), 0);
     return pose;
 }
 
@@ -386,13 +407,13 @@ static rigcal_status solve_robustly(size_t *n_found, const calibration *c, view 
 
 void view_take(const calibration *c, view *v, size_t pose)
 {
-    const rigcal_transform *cam_from_target = &v->poses[pose].cam_from_world;
+    const rigcal_transform cam_from_target = kept_transform(&v->poses[pose]);
     const rigcal_view seen = view_points(c, v);
     rigcal_pose_uncertainty u;
 
     v->taken = (uint8_t)pose;
-    v->distance = distance_to_points(cam_from_target, seen.observations, v->n);
-    v->has_sigma = !v->by_paper && rigcal_pose_covariance(&u, &seen, cam_from_target,
+    v->distance = distance_to_points(&cam_from_target, seen.observations, v->n);
+    v->has_sigma = !v->by_paper && rigcal_pose_covariance(&u, &seen, &cam_from_target,
                                                           c->pose.sigma_px) == RIGCAL_OK;
     if (v->has_sigma) {
         v->sigma_deg = (rigcal_real)(DEGREE * length_of(u.rotation));

@@ -175,13 +175,33 @@ static double median(double list[], size_t n)
     return n > 0 ? list[n / 2] : 0;
 }
 
+/* The sum of squared errors of the view's own fit, each divided by the relative sigma of
+ * its point. */
+static double weighed_errors(const calibration *c, const view *v)
+{
+    const rigcal_transform cam_from_target = kept_transform(view_taken(v));
+    double sum = 0;
+    size_t k;
+
+    for (k = 0; k < v->n_seen; k++) {
+        residual r;
+
+        if (!view_leaves_out(v, k) && pose_residual(&r, c, v, k, &cam_from_target)) {
+            const double sigma = (double)cli_sigma_of(&c->observations, &v->first[k]);
+
+            sum += pow((double)r.error_px / sigma, 2);
+        }
+    }
+    return sum;
+}
+
 /* Noise of one coordinate, from the view's own fit; 0: the fit gives no estimate. */
 static double own_noise(const calibration *c, const view *v)
 {
     const double rms_px = (double)view_taken(v)->rms_px, n = (double)v->n;
 
     if (c->is_weighing && n > 3) {
-        return sqrt((double)view_taken(v)->sse / (2 * n - 6));
+        return sqrt(weighed_errors(c, v) / (2 * n - 6));
     }
     return n > 3 ? rms_px * sqrt(n / (2 * n - 6)) : 0;
 }

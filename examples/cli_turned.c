@@ -255,9 +255,10 @@ static view *view_in(const calibration *c, size_t camera, size_t frame)
 /* The pose cam_from_target of a view, if the target was read after this many turns. */
 static rigcal_transform reading(const turning *t, const view *v, size_t turns)
 {
+    const rigcal_transform taken = kept_transform(view_taken(v));
     rigcal_transform read;
 
-    rigcal_transform_compose(&read, &view_taken(v)->cam_from_world, &t->back[turns]);
+    rigcal_transform_compose(&read, &taken, &t->back[turns]);
     return read;
 }
 
@@ -286,9 +287,9 @@ static rigcal_transform *relations_of(const turning *t, size_t a, size_t b,
 
         for (k = 0; of_a != NULL && of_b != NULL && k < t->n_turns; k++) {
             const rigcal_transform from = reading(t, of_b, k);
+            const rigcal_transform to = kept_transform(view_taken(of_a));
 
-            rigcal_transform_between(&found[n * t->n_turns + k], &from,
-                                     &view_taken(of_a)->cam_from_world);
+            rigcal_transform_between(&found[n * t->n_turns + k], &from, &to);
         }
         n += of_a != NULL && of_b != NULL;
     }
@@ -446,13 +447,13 @@ static double nearest_reading(size_t *turns, const turning *t, const view *v,
 static double read_as(size_t turns[], const turning *t, const view *v)
 {
     const calibration *c = t->c;
+    const rigcal_transform taken = kept_transform(view_taken(v));
     rigcal_transform rig_from_cam, rig_from_target, expected;
     double sum = 0;
     size_t b;
 
     rigcal_transform_invert(&rig_from_cam, &t->in_rig[v->camera]);
-    rigcal_transform_compose(&rig_from_target, &rig_from_cam,
-                             &view_taken(v)->cam_from_world);
+    rigcal_transform_compose(&rig_from_target, &rig_from_cam, &taken);
     for (b = 0; b < c->cameras.names.count; b++) {
         const view *other = view_in(c, b, v->frame);
 
@@ -481,10 +482,11 @@ static void turn_view(const turning *t, view *v, size_t turns, const uint32_t wh
         first[i].place = where[point];
     }
     for (i = 0; i < v->n_poses; i++) {
-        rigcal_transform *pose = &v->poses[i].cam_from_world;
-        const rigcal_transform read = *pose;
+        const rigcal_transform read = kept_transform(&v->poses[i]);
+        rigcal_transform turned;
 
-        rigcal_transform_compose(pose, &read, &t->back[turns]);
+        rigcal_transform_compose(&turned, &read, &t->back[turns]);
+        keep_transform(&v->poses[i], &turned);
     }
 }
 
@@ -540,7 +542,7 @@ static size_t turn_frame(const turning *t, size_t frame, rigcal_transform *befor
 {
     const calibration *c = t->c;
     const view *best = read_frame(turns, t, frame);
-    rigcal_transform expected;
+    rigcal_transform expected, taken;
     size_t b, all, n_others = 0;
 
     if (best == NULL) {
@@ -560,7 +562,8 @@ static size_t turn_frame(const turning *t, size_t frame, rigcal_transform *befor
         }
     }
     rigcal_transform_invert(&expected, &t->in_rig[best->camera]);
-    rigcal_transform_compose(before, &expected, &view_taken(best)->cam_from_world);
+    taken = kept_transform(view_taken(best));
+    rigcal_transform_compose(before, &expected, &taken);
     *has_before = 1;
     return n_others;
 }

@@ -1179,6 +1179,15 @@ static void test_placements_count_that_a_camera_saw(void)
     ASSERT_NEAR(13 * 18 - 13 * 6, x.found.freedom_within, 0);
     ASSERT_NEAR(13 * 6 - 6 * (2 + 5), x.found.freedom_between, 0);
     ASSERT_NEAR(0.3, x.found.sigma_px, 0.3);
+    for (int n = 0; n < 3; n++) { /* views of the last placement */
+        const int used = 15 + n, seen = n > 0 ? 6 : 5;
+
+        set_up(&x, 1);
+        x.rig.n_views = (size_t)used;
+        leave_out(left_out, 0);
+        ASSERT_NEAR(used * 12, x.found.freedom_within, 0);
+        ASSERT_NEAR(used * 6 - 6 * (2 + seen), x.found.freedom_between, 0);
+    }
 }
 
 /* One view of a camera shows what its own pose does not take up. */
@@ -1251,6 +1260,11 @@ static void test_without_motion_nothing_lies_along_it(void)
     ASSERT_NEAR(0, x.found.along, 0);
     ASSERT_NEAR(0, x.found.along_time, 0);
     TEST_ASSERT_TRUE(x.found.F > 0 && x.found.pattern_sigma > 0);
+    set_up(&x, 1);
+    x.times[5] += 10; /* one placement by itself */
+    ASSERT_STATUS(RIGCAL_OK, rigcal_rig_adjust(&fit, NULL, &x.rig));
+    test_it(&x);
+    TEST_ASSERT_TRUE(x.found.along > 0 && x.found.along < 1 && x.found.along_time > 0);
 }
 
 /* ---- sums over the views ------------------------------------------------------------ */

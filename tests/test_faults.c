@@ -1330,6 +1330,27 @@ static void test_a_view_that_is_wrong_is_named(void)
             RIGCAL_ERR_NOT_FINITE, x.found,
             rigcal_rig_faults(&x.found, x.faults, FAULTS, &at_fault, &x.options, &x.rig));
         TEST_ASSERT_EQUAL_INT32(v, at_fault);
+        set_up(&x, 0); /* a point behind the camera */
+        const rigcal_transform T = test_times(&x.cams[v % CAMERAS], &x.places[v / CAMERAS]);
+        const rigcal_transform back = test_inverse(&T);
+        const double behind[3] = {0, 0, -5};
+        double X[3];
+
+        test_move_point(X, &back, behind);
+        test_to_real(x.o[v][3].X_w, X, 3);
+        ASSERT_REFUSED(
+            RIGCAL_ERR_BEHIND, x.found,
+            rigcal_rig_faults(&x.found, x.faults, FAULTS, &at_fault, &x.options, &x.rig));
+        TEST_ASSERT_EQUAL_INT32(v, at_fault);
+        set_up(&x, 0); /* all points on a line */
+        for (int i = 0; i < POINTS; i++) {
+            x.o[v][i].X_w[1] = 0;
+            x.o[v][i].X_w[0] = RC(0.0625 * i - 0.25);
+        }
+        ASSERT_REFUSED(
+            RIGCAL_ERR_DEGENERATE, x.found,
+            rigcal_rig_faults(&x.found, x.faults, FAULTS, &at_fault, &x.options, &x.rig));
+        TEST_ASSERT_EQUAL_INT32(v, at_fault);
     }
 }
 

@@ -540,6 +540,8 @@ static void test_without_times_no_clock_is_tested_and_that_is_told(void)
     x.rig.clocks = NULL;
     test_it(&x);
     TEST_ASSERT_TRUE((x.found.bits & RIGCAL_FAULTS_NO_TIMES) != 0);
+    TEST_ASSERT_EQUAL_INT(0, x.found.bits & RIGCAL_FAULTS_TWO_CAMERAS);
+    ASSERT_NEAR(0, x.found.frame, 0);
     for (int c = 0; c < CAMERAS; c++) {
         TEST_ASSERT_EQUAL_INT32(0, fault_of(&x, RIGCAL_FAULT_CLOCK, c)->is_seen);
         TEST_ASSERT_EQUAL_INT32(0, fault_of(&x, RIGCAL_FAULT_SHUTTER, c)->is_seen);
@@ -925,6 +927,10 @@ static void test_of_a_target_that_stands_still_no_clock_is_told(void)
         test_it(&x);
         TEST_ASSERT_EQUAL_INT(is_still, (x.found.bits & RIGCAL_FAULTS_NO_MOTION) != 0);
         TEST_ASSERT_EQUAL_INT(0, x.found.bits & RIGCAL_FAULTS_NO_NEIGHBOUR);
+        TEST_ASSERT_TRUE((x.found.bits & RIGCAL_FAULTS_TWO_CAMERAS) != 0);
+        for (int i = 0; i < x.found.n; i++) { /* one clock is free, so CLOCK says all */
+            TEST_ASSERT_TRUE(x.faults[i].kind != RIGCAL_FAULT_CLOCKS);
+        }
     }
 }
 
@@ -1220,6 +1226,7 @@ static void test_a_move_has_views_on_both_sides(void)
     for (int c = 0; c < CAMERAS; c++) {
         TEST_ASSERT_EQUAL_INT32(0, fault_of(&x, RIGCAL_FAULT_MOVED, c)->is_seen);
         TEST_ASSERT_EQUAL_INT32(-1, fault_of(&x, RIGCAL_FAULT_MOVED, c)->placement);
+        TEST_ASSERT_EQUAL_INT32(6, fault_of(&x, RIGCAL_FAULT_MOVED, c)->n);
     }
     x.options.breaks = MIDDLE;
     test_it(&x);
@@ -1242,6 +1249,55 @@ static void test_a_move_has_views_on_both_sides(void)
         if (seen->placement == 3 && once[c].p < RC(0.1)) { /* five are tried */
             ASSERT_NEAR(5 * D(once[c].p), seen->p, TOL(1e-9, 1e-3));
         }
+    }
+}
+
+/* Between two views of a camera all placements fit alike. One of them is tried: of four
+ * views there are three tries. */
+static void test_a_move_is_tried_once_between_two_views(void)
+{
+    static uint8_t left_out[VIEWS];
+
+    WANTS_A_RIG;
+    for (int c = 0; c < CAMERAS; c++) {
+        uint8_t breaks[PLACEMENTS] = {0};
+
+        set_up(&x, 5);
+        leave_out(left_out, 1 << (6 + c) | 1 << (9 + c)); /* at placements 2 and 3 */
+        const rigcal_fault tried = *fault_of(&x, RIGCAL_FAULT_MOVED, c);
+
+        TEST_ASSERT_EQUAL_INT32(1, tried.is_seen);
+        TEST_ASSERT_TRUE(tried.placement != 2 && tried.placement != 3);
+        breaks[tried.placement] = 1;
+        x.options.breaks = breaks;
+        test_it(&x);
+        const rigcal_fault *const once = fault_of(&x, RIGCAL_FAULT_MOVED, c);
+
+        TEST_ASSERT_EQUAL_INT32(tried.placement, once->placement);
+        ASSERT_NEAR(fmin(1, 3 * D(once->p)), tried.p, TOL(1e-9, 1e-3));
+        breaks[tried.placement] = 0;
+        breaks[3] = 1; /* where it saw nothing */
+        test_it(&x);
+        TEST_ASSERT_EQUAL_INT32(3, fault_of(&x, RIGCAL_FAULT_MOVED, c)->placement);
+    }
+}
+
+/* Each fault of the three cameras, the clocks together, and two of the board. Free clocks
+ * are unknowns too. */
+static void test_each_fault_is_listed_once(void)
+{
+    WANTS_A_RIG;
+    set_up(&x, 1);
+    test_it(&x);
+    TEST_ASSERT_EQUAL_INT32(8 * CAMERAS + 3, x.found.n);
+    ASSERT_NEAR(VIEWS * 6 - 6 * (2 + PLACEMENTS), x.found.freedom_between, 0);
+    for (int drifts = 0; drifts < 2; drifts++) {
+        set_up(&x, 3);
+        set_clocks(&x, 1, drifts, 0);
+        (void)least_sum(&x);
+        test_it(&x);
+        ASSERT_NEAR(VIEWS * 6 - 6 * (2 + PLACEMENTS) - 2 * (1 + drifts),
+                    x.found.freedom_between, 0);
     }
 }
 
@@ -1462,6 +1518,8 @@ TEST_MAIN()
     RUN_TEST(test_placements_count_that_a_camera_saw);
     RUN_TEST(test_a_camera_with_one_view_has_faults);
     RUN_TEST(test_a_move_has_views_on_both_sides);
+    RUN_TEST(test_a_move_is_tried_once_between_two_views);
+    RUN_TEST(test_each_fault_is_listed_once);
     RUN_TEST(test_without_motion_nothing_lies_along_it);
     RUN_TEST(test_the_pattern_is_that_of_all_views);
     RUN_TEST(test_the_limit_of_truncation_is_4_sigma);

@@ -764,8 +764,12 @@ static void test_options_are_checked(void)
     x.rig.views = NULL;
     ASSERT_REFUSED(RIGCAL_ERR_NULL, x.found, FAULTS_OF);
     x.rig.views = x.views;
-    x.work[1] = RC(MORE + 1); /* a placement with more views than there are cameras */
-    ASSERT_REFUSED(RIGCAL_ERR_STATE, x.found, FAULTS_OF);
+    for (int p = 0; p < PLACEMENTS; p++) { /* with more views than there are cameras */
+        x.work[p] = RC(MORE + 1);
+        ASSERT_REFUSED(RIGCAL_ERR_STATE, x.found, FAULTS_OF);
+        x.work[p] = RC(CAMERAS);
+    }
+    ASSERT_STATUS(RIGCAL_OK, FAULTS_OF);
     TEST_ASSERT_EQUAL_size_t(RIGCAL_FAULTS_WORK(5, 7), rigcal_faults_work(5, 7));
     TEST_ASSERT_EQUAL_size_t(RIGCAL_FAULTS_LEAST(5, 7), rigcal_faults_least(5, 7));
 }
@@ -891,6 +895,15 @@ static void test_views_of_three_points_have_no_loop(void)
         TEST_ASSERT_EQUAL_INT32(RIGCAL_RIG_AGREES, x.found.verdict);
         ASSERT_NEAR(6 * (n - 1), x.found.freedom_between, 0);
         ASSERT_NEAR(0, x.found.freedom_within, 0);
+        ASSERT_NEAR(0, x.found.own_px, 0);
+        ASSERT_NEAR(0, x.found.F, 0);
+        TEST_ASSERT_EQUAL_INT32(2, x.found.n_cameras);
+        TEST_ASSERT_EQUAL_INT32(RIGCAL_FAULTS_NO_LOOP | RIGCAL_FAULTS_NO_TIMES |
+                                    RIGCAL_FAULTS_TWO_CAMERAS,
+                                x.found.bits);
+        for (int i = 0; i < x.found.n; i++) { /* nothing is left to be explained */
+            TEST_ASSERT_EQUAL_INT32(0, x.faults[i].explains);
+        }
         for (int c = 0; c < 2; c++) {
             const rigcal_fault *const moved = fault_of(&x, RIGCAL_FAULT_MOVED, c);
 
@@ -1290,6 +1303,8 @@ static void test_each_fault_is_listed_once(void)
     set_up(&x, 1);
     test_it(&x);
     TEST_ASSERT_EQUAL_INT32(8 * CAMERAS + 3, x.found.n);
+    TEST_ASSERT_EQUAL_INT32(CAMERAS, x.found.n_cameras);
+    TEST_ASSERT_EQUAL_PTR(x.clocks, x.found.clocks);
     ASSERT_NEAR(VIEWS * 6 - 6 * (2 + PLACEMENTS), x.found.freedom_between, 0);
     for (int drifts = 0; drifts < 2; drifts++) {
         set_up(&x, 3);

@@ -678,6 +678,32 @@ static void test_the_budget_of_a_step_changes_no_bit(void)
     assert_same(&x, &found, faults, 0);
 }
 
+/* Calls with this budget until it is done. */
+static int calls_of(int32_t budget)
+{
+    static rigcal_faults_solver solver;
+    int n = 1;
+
+    ASSERT_STATUS(RIGCAL_OK,
+                  rigcal_faults_begin(&solver, x.faults, FAULTS, &x.options, &x.rig));
+    while (n < 1000 && rigcal_faults_step(&solver, budget) == RIGCAL_RUNNING) {
+        n++;
+    }
+    return n;
+}
+
+static void test_a_budget_is_a_number_of_units(void)
+{
+    WANTS_A_RIG;
+    set_up(&x, 1);
+    const int units = calls_of(1);
+
+    TEST_ASSERT_TRUE(units > VIEWS && units < 1000);
+    for (int32_t budget = 2; budget < 6; budget++) {
+        TEST_ASSERT_EQUAL_INT((units + budget - 1) / budget, calls_of(budget));
+    }
+}
+
 static void test_less_memory_takes_more_passes_and_finds_the_same(void)
 {
     static rigcal_fault faults[FAULTS];
@@ -1514,6 +1540,7 @@ TEST_MAIN()
     RUN_TEST(test_a_camera_without_views_has_no_faults);
     RUN_TEST(test_nothing_in_common_is_no_disagreement);
     RUN_TEST(test_the_budget_of_a_step_changes_no_bit);
+    RUN_TEST(test_a_budget_is_a_number_of_units);
     RUN_TEST(test_less_memory_takes_more_passes_and_finds_the_same);
     RUN_TEST(test_a_short_list_has_the_best);
     RUN_TEST(test_the_covariance_stays);

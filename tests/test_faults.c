@@ -916,7 +916,9 @@ static void test_views_of_three_points_have_no_loop(void)
     for (int n = 2; n < 4; n++) {
         set_up_simple(&x, n, 3, 0.3);
         x.options.breaks = breaks;
+        memset(x.faults, 0x5a, sizeof x.faults);
         test_it(&x);
+        TEST_ASSERT_EQUAL_HEX32(0x5a5a5a5a, x.faults[x.found.n].explains);
         TEST_ASSERT_TRUE((x.found.bits & RIGCAL_FAULTS_NO_LOOP) != 0);
         TEST_ASSERT_EQUAL_INT32(RIGCAL_RIG_AGREES, x.found.verdict);
         ASSERT_NEAR(6 * (n - 1), x.found.freedom_between, 0);

@@ -721,6 +721,40 @@ static void test_the_weight_of_a_stamp_is_that_of_the_noises(void)
         TEST_ASSERT_TRUE(adjust(&fit) >= 0);
         ASSERT_NEAR(1, D(m.clocks.memory.ratio2) * stamp * stamp / variance,
                     TOL(1e-12, 1e-5));
+        m.clocks.sigma_time = 0; /* nothing of it is left */
+        ASSERT_STATUS(RIGCAL_OK, adjust(&fit));
+        ASSERT_NEAR(0, m.clocks.memory.ratio2, 0);
+    }
+}
+
+/* Views that are left out are as good as none. */
+static void test_views_that_are_left_out_leave_no_trace(void)
+{
+    static uint8_t left_out[MOTION_VIEWS_MAX];
+    rigcal_real offsets[2][3];
+    rigcal_rig_fit fit[2];
+
+    WANTS_MOTIONS();
+    for (int is_short = 0; is_short < 2; is_short++) {
+        size_t n = 0;
+
+        make(&SCENE, 99);
+        m.rig.view_poses = NULL;
+        for (size_t v = 0; v < m.rig.n_views; v++) {
+            left_out[v] = v % 4 == 1;
+            if (is_short && !left_out[v]) {
+                m.views[n++] = m.views[v];
+            }
+        }
+        m.rig.left_out = is_short ? NULL : left_out;
+        m.rig.n_views = is_short ? n : m.rig.n_views;
+        ASSERT_STATUS(RIGCAL_OK, adjust(&fit[is_short]));
+        memcpy(offsets[is_short], m.offsets, sizeof offsets[0]);
+    }
+    ASSERT_NEAR(1, D(fit[0].sum) / D(fit[1].sum), TOL(1e-9, 1e-3));
+    ASSERT_NEAR(fit[0].freedom, fit[1].freedom, 0);
+    for (int c = 0; c < 3; c++) {
+        ASSERT_NEAR(offsets[0][c], offsets[1][c], TOL(1e-9, 1e-4));
     }
 }
 
@@ -932,6 +966,7 @@ TEST_MAIN()
     RUN_TEST(test_a_placement_seen_once_has_the_time_of_that_view);
     RUN_TEST(test_without_the_noise_of_pixels_stamps_have_no_weight);
     RUN_TEST(test_the_weight_of_a_stamp_is_that_of_the_noises);
+    RUN_TEST(test_views_that_are_left_out_leave_no_trace);
     RUN_TEST(test_clocks_that_the_data_do_not_separate_stay_together);
     RUN_TEST(test_a_search_that_promised_more_has_not_converged);
     RUN_TEST(test_what_counts_as_rounding_is_more_where_the_motion_lags);

@@ -482,6 +482,30 @@ static void test_a_clock_that_is_known_is_held(void)
     ASSERT_NEAR(1, fit.F, 0.6);
 }
 
+/* Any number but 0 holds a clock. If none is held, that of the first camera is. */
+static void test_each_clock_is_held_or_free(void)
+{
+    static const uint8_t HELD[5][3] = {
+        {0, 0, 0}, {2, 0, 0}, {0, 2, 0}, {0, 1, 2}, {1, 1, 1}};
+    static const uint8_t IS_FREE[5][3] = {
+        {0, 1, 1}, {0, 1, 1}, {1, 0, 1}, {1, 0, 0}, {0, 0, 0}};
+    rigcal_rig_fit fit;
+
+    WANTS_MOTIONS();
+    for (int k = 0; k < 5; k++) {
+        make(&SCENE, 105);
+        m.clocks.held = HELD[k];
+        TEST_ASSERT_TRUE(adjust(&fit) >= 0);
+        for (int c = 0; c < 3; c++) {
+            TEST_ASSERT_EQUAL_INT32(IS_FREE[k][c] ? RIGCAL_CLOCK_FREE : RIGCAL_CLOCK_HELD,
+                                    m.states[c]);
+            if (!IS_FREE[k][c]) {
+                ASSERT_NEAR(0, m.offsets[c], 0);
+            }
+        }
+    }
+}
+
 /* Here no drift is estimated. */
 static void test_drifts_that_are_held_are_exact(void)
 {
@@ -675,6 +699,89 @@ static void test_without_the_noise_of_pixels_stamps_have_no_weight(void)
     ASSERT_STATUS(RIGCAL_OK, adjust(&fit));
 }
 
+/* (H11): the noise of a pixel is the stated one, or that of the views by themselves. */
+static void test_the_weight_of_a_stamp_is_that_of_the_noises(void)
+{
+    static const double STAMPS[3] = {1e-3, 0.02, 0.5};
+
+    WANTS_MOTIONS();
+    for (int way = 0; way < (RIGCAL_USE_FLOAT ? 4 : 6); way++) { /* the last says little */
+        const double stamp = STAMPS[way / 2];
+        double sum = 0, freedom = 0, variance = 0.0625;
+        rigcal_rig_fit fit;
+
+        make(&SCENE, 97);
+        m.clocks.sigma_time = RC(stamp);
+        m.rig.sigma_px = way % 2 ? RC(0.25) : 0;
+        for (size_t v = 0; v < m.rig.n_views && way % 2 == 0; v++) {
+            sum += D(m.own[v].sse);
+            freedom += 2 * (double)m.own[v].n - 6;
+            variance = sum / freedom;
+        }
+        TEST_ASSERT_TRUE(adjust(&fit) >= 0);
+        ASSERT_NEAR(1, D(m.clocks.memory.ratio2) * stamp * stamp / variance,
+                    TOL(1e-12, 1e-5));
+        m.clocks.sigma_time = 0; /* nothing of it is left */
+        ASSERT_STATUS(RIGCAL_OK, adjust(&fit));
+        ASSERT_NEAR(0, m.clocks.memory.ratio2, 0);
+    }
+}
+
+/* Views that are left out are as good as none. */
+static void test_views_that_are_left_out_leave_no_trace(void)
+{
+    static uint8_t left_out[MOTION_VIEWS_MAX];
+    rigcal_real offsets[2][3];
+    rigcal_rig_fit fit[2];
+
+    WANTS_MOTIONS();
+    for (int is_short = 0; is_short < 2; is_short++) {
+        size_t n = 0;
+
+        make(&SCENE, 99);
+        m.rig.view_poses = NULL;
+        for (size_t v = 0; v < m.rig.n_views; v++) {
+            left_out[v] = v % 4 == 1;
+            if (is_short && !left_out[v]) {
+                m.views[n++] = m.views[v];
+            }
+        }
+        m.rig.left_out = is_short ? NULL : left_out;
+        m.rig.n_views = is_short ? n : m.rig.n_views;
+        ASSERT_STATUS(RIGCAL_OK, adjust(&fit[is_short]));
+        memcpy(offsets[is_short], m.offsets, sizeof offsets[0]);
+    }
+    ASSERT_NEAR(1, D(fit[0].sum) / D(fit[1].sum), TOL(1e-9, 1e-3));
+    ASSERT_NEAR(fit[0].freedom, fit[1].freedom, 0);
+    for (int c = 0; c < 3; c++) {
+        ASSERT_NEAR(offsets[0][c], offsets[1][c], TOL(1e-9, 1e-4));
+    }
+}
+
+/* Camera 0 sees three pictures by themselves, the others all. So their clocks tell the time
+ * between them, and not that of camera 0. They are found all the same, and their poses. */
+static void test_clocks_that_the_data_do_not_separate_stay_together(void)
+{
+    static uint8_t left_out[MOTION_VIEWS_MAX];
+    rigcal_rig_fit fit;
+
+    WANTS_MOTIONS();
+    make(&SCENE, 98);
+    for (int f = 0; f < 9; f++) { /* the first of each run is by itself */
+        m.times[f] += f % 3 == 0 ? RC(-1) : 0;
+    }
+    for (size_t v = 0; v < m.rig.n_views; v++) {
+        left_out[v] = m.views[v].camera == 0 && m.views[v].placement % 3 != 0;
+    }
+    m.rig.left_out = left_out;
+    TEST_ASSERT_TRUE(adjust(&fit) >= 0);
+    TEST_ASSERT_EQUAL_INT32(RIGCAL_CLOCK_FREE, m.states[1]);
+    TEST_ASSERT_EQUAL_INT32(RIGCAL_CLOCK_FREE, m.states[2]);
+    ASSERT_NEAR(m.true_offsets[2] - m.true_offsets[1], D(m.offsets[2]) - D(m.offsets[1]),
+                4e-3);
+    TEST_ASSERT_TRUE(fabs(D(m.offsets[1])) < 0.05 && fabs(D(m.offsets[2])) < 0.05);
+}
+
 /* A search that ends although its last step promised much has not converged if a clock is
  * free. If it ends with another status, it keeps that status. */
 static void test_a_search_that_promised_more_has_not_converged(void)
@@ -756,6 +863,28 @@ static void test_more_than_the_variance_of_a_pixel_is_much(void)
     }
 }
 
+static void test_the_defaults_are_those_of_the_header(void)
+{
+    rigcal_rig_clocks clocks;
+
+    FILL(clocks);
+    ASSERT_STATUS(RIGCAL_OK, rigcal_clocks_defaults(&clocks));
+    TEST_ASSERT_NOT_NULL(clocks.calls);
+    TEST_ASSERT_EQUAL_INT32(4, clocks.neighbours);
+    TEST_ASSERT_EQUAL_INT32(-1, clocks.memory.placement);
+    TEST_ASSERT_NULL(clocks.times);
+    TEST_ASSERT_NULL(clocks.view_times);
+    TEST_ASSERT_NULL(clocks.instants);
+    TEST_ASSERT_NULL(clocks.offsets);
+    TEST_ASSERT_NULL(clocks.drifts);
+    TEST_ASSERT_NULL(clocks.held);
+    TEST_ASSERT_NULL(clocks.states);
+    TEST_ASSERT_TRUE(clocks.free_offsets == 0 && clocks.free_drifts == 0);
+    ASSERT_NEAR(0, clocks.frame, 0);
+    ASSERT_NEAR(0, clocks.sigma_time, 0);
+    ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_clocks_defaults(NULL));
+}
+
 static void test_what_is_handed_in_is_checked(void)
 {
     rigcal_rig_solver solver;
@@ -826,6 +955,7 @@ TEST_MAIN()
     RUN_TEST(test_clocks_of_a_target_that_stands_still_are_held);
     RUN_TEST(test_clocks_of_single_pictures_are_held);
     RUN_TEST(test_a_clock_that_is_known_is_held);
+    RUN_TEST(test_each_clock_is_held_or_free);
     RUN_TEST(test_drifts_that_are_held_are_exact);
     RUN_TEST(test_the_clock_of_a_camera_without_views_is_left_alone);
     RUN_TEST(test_what_is_left_is_of_views_at_their_times);
@@ -835,9 +965,13 @@ TEST_MAIN()
     RUN_TEST(test_a_placement_without_views_has_no_instant);
     RUN_TEST(test_a_placement_seen_once_has_the_time_of_that_view);
     RUN_TEST(test_without_the_noise_of_pixels_stamps_have_no_weight);
+    RUN_TEST(test_the_weight_of_a_stamp_is_that_of_the_noises);
+    RUN_TEST(test_views_that_are_left_out_leave_no_trace);
+    RUN_TEST(test_clocks_that_the_data_do_not_separate_stay_together);
     RUN_TEST(test_a_search_that_promised_more_has_not_converged);
     RUN_TEST(test_what_counts_as_rounding_is_more_where_the_motion_lags);
     RUN_TEST(test_more_than_the_variance_of_a_pixel_is_much);
+    RUN_TEST(test_the_defaults_are_those_of_the_header);
     RUN_TEST(test_what_is_handed_in_is_checked);
     RUN_TEST(test_the_memory_is_as_the_manual_says);
 }

@@ -186,6 +186,25 @@ static void test_a_camera_sees_the_velocity_of_the_target(void)
     }
 }
 
+/* A step of just the longest length is within a run. The largest coordinate is a known
+ * time. */
+static void test_the_limits_of_a_run_are_within_it(void)
+{
+    const rigcal_real far = RC(TOL(1e30, 1e9)); /* RC_COORDINATE_MAX */
+
+    for (int k = 0; k < 5; k++) {
+        const double longest = k == 0 ? 0.25 : k == 1 ? 0.2499 : k == 4 ? 0.25 : 2 * D(far);
+        const rc_path path = path_of(2, longest, 4);
+        rigcal_motion motion;
+
+        fill(2, 1);
+        times[0] = 0;
+        times[1] = k < 2 ? RC(0.25) : k == 2 ? far : k == 3 ? far * RC(1.001) : 0;
+        rc_motion_of(&motion, &path, 0);
+        TEST_ASSERT_EQUAL_INT32(k == 0 || k == 2, motion.n);
+    }
+}
+
 TEST_MAIN()
 {
     RUN_TEST(test_a_path_of_the_degree_of_its_neighbours_is_found);
@@ -193,4 +212,5 @@ TEST_MAIN()
     RUN_TEST(test_a_run_ends_at_a_gap);
     RUN_TEST(test_a_placement_by_itself_has_no_motion);
     RUN_TEST(test_a_camera_sees_the_velocity_of_the_target);
+    RUN_TEST(test_the_limits_of_a_run_are_within_it);
 }

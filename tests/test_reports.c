@@ -34,7 +34,13 @@ static void test_a_monitor_gives_back_what_it_was_begun_with(void)
 
     WANTS_RIG();
     watch(&rng, 2, 0);
+    w.rig.F = RC(1.5);
+    w.rig.freedom_between = 7;
+    w.rig.freedom_within = 50;
+    test_watched_begin(&w, 0, NULL);
     const rigcal_calibrated_rig rig = w.rig;
+    rigcal_mounted_camera cameras[2];
+    memcpy(cameras, w.cameras, sizeof cameras);
     ASSERT_STATUS(RIGCAL_OK, rigcal_monitor_camera(&m, w.monitor, 1));
     TEST_ASSERT_EQUAL_MEMORY(&w.cameras[1].camera, &m.camera, sizeof m.camera);
     TEST_ASSERT_EQUAL_MEMORY(&w.cameras[1].cam_from_rig, &m.cam_from_rig,
@@ -49,8 +55,24 @@ static void test_a_monitor_gives_back_what_it_was_begun_with(void)
     }
     w.rig.n_cameras = 0;
     w.rig.sigma_px = w.rig.F = w.rig.freedom_between = w.rig.freedom_within = -1;
+    FILL(w.cameras);
+    FILL(w.group);
+    FILL(w.held);
+    FILL(w.Sigma);
     ASSERT_STATUS(RIGCAL_OK, rigcal_monitor_rig(&w.rig, w.monitor));
     TEST_ASSERT_EQUAL_MEMORY(&rig, &w.rig, sizeof rig);
+    for (int c = 0; c < 2; c++) {
+        TEST_ASSERT_EQUAL_MEMORY(&cameras[c].camera, &w.cameras[c].camera,
+                                 sizeof cameras[c].camera);
+        TEST_ASSERT_EQUAL_MEMORY(&cameras[c].cam_from_rig, &w.cameras[c].cam_from_rig,
+                                 sizeof cameras[c].cam_from_rig);
+        TEST_ASSERT_EQUAL_INT32(0, w.group[c]);
+    }
+    if (WATCHED_CAMERAS_MAX > 2) { /* what is no part of the rig stays */
+        test_assert_untouched(&w.cameras[2], sizeof w.cameras[2], "cameras[2]", __LINE__);
+        test_assert_untouched(&w.Sigma[21], sizeof w.Sigma[21], "Sigma[21]", __LINE__);
+        test_assert_untouched(&w.held[2], sizeof w.held[2], "held[2]", __LINE__);
+    }
     TEST_ASSERT_TRUE(w.held[0] == 1 && w.held[1] == 0 && w.group[1] == 0);
     ASSERT_STATUS(RIGCAL_ERR_RANGE, rigcal_monitor_camera(&m, w.monitor, 2));
 }
@@ -169,8 +191,143 @@ static void test_arrays_that_are_too_small_are_not_written(void)
     w.rig.Sigma_capacity = 21;
     w.rig.capacity = 1;
     ASSERT_STATUS(RIGCAL_ERR_CAPACITY, rigcal_monitor_rig(&w.rig, w.monitor));
-    w.rig.group = NULL;
-    ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_monitor_rig(&w.rig, w.monitor));
+    w.rig.capacity = 2; /* as many as there are */
+    ASSERT_STATUS(RIGCAL_OK, rigcal_monitor_rig(&w.rig, w.monitor));
+    for (int k = 0; k < 4; k++) {
+        rigcal_calibrated_rig rig = w.rig;
+
+        rig.cameras = k == 0 ? NULL : rig.cameras;
+        rig.group = k == 1 ? NULL : rig.group;
+        rig.held = k == 2 ? NULL : rig.held;
+        rig.Sigma = k == 3 ? NULL : rig.Sigma;
+        ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_monitor_rig(&rig, w.monitor));
+    }
+    ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_monitor_rig(NULL, w.monitor));
+    ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_monitor_rig(&w.rig, NULL));
+}
+
+/* Each output by itself; bodies up to the largest number that a size_t has. */
+static void test_questions_that_cannot_be_answered_are_refused(void)
+{
+    test_rng rng = test_seed(6);
+    rigcal_mounted_camera m;
+    rigcal_body_report report;
+    rigcal_transform b_from_a;
+    rigcal_real Sigma[36];
+
+    WANTS_RIG();
+    watch(&rng, 2, 1);
+    ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_monitor_camera(NULL, w.monitor, 0));
+    ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_monitor_camera(&m, NULL, 0));
+    ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_monitor_pair(NULL, Sigma, w.monitor, 0, 1));
+    ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_monitor_pair(&b_from_a, NULL, w.monitor, 0, 1));
+    ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_monitor_pair(&b_from_a, Sigma, NULL, 0, 1));
+    ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_monitor_body(NULL, w.monitor, 0));
+    ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_monitor_body(&report, NULL, 0));
+    for (size_t k = 0; k < 2; k++) {
+        const size_t body = k == 0 ? 2 : SIZE_MAX;
+
+        ASSERT_REFUSED(RIGCAL_ERR_RANGE, m, rigcal_monitor_camera(&m, w.monitor, body));
+        ASSERT_REFUSED(RIGCAL_ERR_RANGE, report,
+                       rigcal_monitor_body(&report, w.monitor, body));
+        ASSERT_REFUSED(RIGCAL_ERR_RANGE, Sigma,
+                       rigcal_monitor_pair(&b_from_a, Sigma, w.monitor, 1, body));
+        ASSERT_REFUSED(RIGCAL_ERR_RANGE, b_from_a,
+                       rigcal_monitor_pair(&b_from_a, Sigma, w.monitor, body, 1));
+    }
+}
+
+/* Sets the covariance of camera 1 to U diag U^T: in units of 1 rad and of `lever`, it has
+ * the variances `diag` along the columns of U, an orthogonal matrix. */
+static void set_axes(double U[6][6], test_rng *rng, const double diag[6], double lever)
+{
+    for (int k = 0; k < 6; k++) { /* Gram and Schmidt */
+        for (int i = 0; i < 6; i++) {
+            U[k][i] = test_normal(rng);
+        }
+        for (int pass = 0; pass < 2; pass++) {
+            for (int before = 0; before < k; before++) {
+                double along = 0;
+
+                for (int i = 0; i < 6; i++) {
+                    along += U[k][i] * U[before][i];
+                }
+                for (int i = 0; i < 6; i++) {
+                    U[k][i] -= along * U[before][i];
+                }
+            }
+        }
+        double length = 0;
+        for (int i = 0; i < 6; i++) {
+            length += U[k][i] * U[k][i];
+        }
+        for (int i = 0; i < 6; i++) {
+            U[k][i] /= sqrt(length);
+        }
+    }
+    for (int i = 0; i < 6; i++) {
+        for (int j = 0; j <= i; j++) {
+            double sum = 0;
+
+            for (int k = 0; k < 6; k++) {
+                sum += diag[k] * U[k][i] * U[k][j];
+            }
+            w.Sigma[i * (i + 1) / 2 + j] =
+                (rigcal_real)(sum * (i < 3 ? 1 : lever) * (j < 3 ? 1 : lever));
+        }
+    }
+}
+
+/* Axes of any direction, and variances that may differ by only a percent. Then the power of
+ * the next axis is 0.99^1024. */
+static void test_the_direction_known_worst_is_that_of_a_matrix_with_known_axes(void)
+{
+    static const double WIDE[6] = {4e-6, 1e-6, 9e-7, 2e-7, 3e-7, 1e-8},
+                        NEAR[6] = {1e-6, 9.9e-7, 9e-7, 5e-7, 1e-7, 1e-7};
+    test_rng rng = test_seed(7);
+
+    WANTS_RIG();
+    for (int trial = 0; trial < TEST_TRIALS(60); trial++) {
+        const double *const diag = trial % 2 ? NEAR : WIDE, lever = 0.25;
+        rigcal_monitor_options o;
+        rigcal_body_report report;
+        double U[6][6], along = 0;
+
+        (void)rigcal_monitor_defaults(&o);
+        o.move_rad = RC(0.125);
+        o.move_t = RC(0.125 * lever);
+        test_watched_make(&w, &rng, 2, 0, 1e-3, 1e-3);
+        set_axes(U, &rng, diag, lever);
+        test_watched_begin(&w, 0, &o);
+        ASSERT_STATUS(RIGCAL_OK, rigcal_monitor_body(&report, w.monitor, 1));
+        for (int i = 0; i < 6; i++) {
+            along += U[0][i] * D(report.weakest[i]);
+        }
+        for (int i = 0; i < 6; i++) {
+            ASSERT_NEAR(U[0][i], (along < 0 ? -1 : 1) * D(report.weakest[i]),
+                        TOL(2e-4, 1e-3));
+        }
+        ASSERT_NEAR(sqrt(diag[0]), report.weakest_sigma, TOL(1e-7, 1e-5) * sqrt(diag[0]));
+    }
+}
+
+/* The frame is exact, and has no direction that is known worst. */
+static void test_an_exact_body_has_no_direction_known_worst(void)
+{
+    test_rng rng = test_seed(8);
+    rigcal_body_report report;
+
+    WANTS_RIG();
+    watch(&rng, 2, 30);
+    FILL(report);
+    ASSERT_STATUS(RIGCAL_OK, rigcal_monitor_body(&report, w.monitor, 0));
+    for (int k = 0; k < 6; k++) {
+        ASSERT_NEAR(0, report.weakest[k], 0);
+    }
+    ASSERT_NEAR(0, report.weakest_sigma, 0);
+    ASSERT_NEAR(0, report.blame, 0);
+    ASSERT_STATUS(RIGCAL_OK, rigcal_monitor_body(&report, w.monitor, 1));
+    TEST_ASSERT_TRUE(report.share > 0 && report.share < 1 && report.is_blind == 0);
 }
 
 TEST_MAIN()
@@ -180,4 +337,7 @@ TEST_MAIN()
     RUN_TEST(test_a_pair_has_its_cross_terms);
     RUN_TEST(test_the_direction_known_worst_is_the_largest_axis_of_the_ellipsoid);
     RUN_TEST(test_arrays_that_are_too_small_are_not_written);
+    RUN_TEST(test_questions_that_cannot_be_answered_are_refused);
+    RUN_TEST(test_the_direction_known_worst_is_that_of_a_matrix_with_known_axes);
+    RUN_TEST(test_an_exact_body_has_no_direction_known_worst);
 }

@@ -15,19 +15,10 @@ static double X_w[POINTS][3];
 
 #define WANTS_RIG() TEST_WANTS_RAM(sizeof w + 30000)
 
-/* A target with points in a box, 2.5 in front of the cameras. */
+/* A target with points in a box. */
 static void hang(test_rng *rng, double shift)
 {
-    watched_pose *const pose = &w.truth[w.n_cameras];
-    const double axis[3] = {test_normal(rng), test_normal(rng), test_normal(rng)};
-    const double at[3] = {shift, -0.1, 2.5};
-    double minus[3];
-
-    test_rotation_about(pose->R, axis, 0.5);
-    test_apply(minus, pose->R, at, NULL);
-    for (int k = 0; k < 3; k++) {
-        pose->t[k] = -minus[k];
-    }
+    test_watched_hang(&w, rng, 0, shift);
     for (int i = 0; i < POINTS; i++) {
         for (int k = 0; k < 3; k++) {
             X_w[i][k] = D((rigcal_real)test_uniform(rng, -0.3, 0.3));
@@ -45,15 +36,7 @@ static void begin_pair(test_rng *rng)
 
 static void see(rigcal_observation o[POINTS], int camera, test_rng *rng, double noise)
 {
-    for (int i = 0; i < POINTS; i++) {
-        double X[3], uv[2];
-
-        test_watched_target_point(X, &w, 0, X_w[i]);
-        test_watched_pixel(uv, &w, camera, X);
-        test_to_real(o[i].X_w, X_w[i], 3);
-        o[i].uv[0] = (rigcal_real)(uv[0] + noise * test_normal(rng));
-        o[i].uv[1] = (rigcal_real)(uv[1] + noise * test_normal(rng));
-    }
+    test_watched_see(o, &w, camera, 0, X_w, POINTS, rng, noise);
 }
 
 static void show(int camera, test_rng *rng, double noise)
@@ -347,14 +330,21 @@ static void test_views_that_cannot_be_are_refused_and_change_nothing(void)
     TEST_ASSERT_EQUAL_MEMORY(kept, w.monitor, sizeof kept);
     show(0, &rng, 0);
     memcpy(kept, w.monitor, sizeof kept);
-    see(o, 1, &rng, 0);
-    o[5].X_w[0] = 0;
-    o[5].X_w[1] = 0;
-    o[5].X_w[2] = -20; /* behind both */
-    ASSERT_STATUS(RIGCAL_ERR_BEHIND,
-                  rigcal_monitor_view(w.monitor, &at_fault, 1, 0, o, POINTS, 1));
-    TEST_ASSERT_EQUAL_INT32(5, at_fault);
-    TEST_ASSERT_EQUAL_MEMORY(kept, w.monitor, sizeof kept);
+    for (int i = 0; i < POINTS; i++) {
+        see(o, 1, &rng, 0);
+        o[i].uv[0] = TEST_INF;
+        ASSERT_STATUS(RIGCAL_ERR_NOT_FINITE,
+                      rigcal_monitor_view(w.monitor, &at_fault, 1, 0, o, POINTS, 1));
+        TEST_ASSERT_EQUAL_INT32(i, at_fault);
+        see(o, 1, &rng, 0);
+        o[i].X_w[0] = 0;
+        o[i].X_w[1] = 0;
+        o[i].X_w[2] = -20; /* behind both */
+        ASSERT_STATUS(RIGCAL_ERR_BEHIND,
+                      rigcal_monitor_view(w.monitor, &at_fault, 1, 0, o, POINTS, 1));
+        TEST_ASSERT_EQUAL_INT32(i, at_fault);
+        TEST_ASSERT_EQUAL_MEMORY(kept, w.monitor, sizeof kept);
+    }
 }
 
 /* A target without a place has no pose and no share, and is blind. It is not a camera. */

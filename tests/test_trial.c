@@ -9,7 +9,8 @@
 enum { BODIES = 3, N = 6 * (BODIES - 1) };
 
 static rigcal_transform poses[BODIES], truth[BODIES];
-static rigcal_real UD[N * (N + 1) / 2], error[N], room[N], bodies[BODIES * RC_ALARM_BODY];
+static rigcal_real UD[N * (N + 1) / 2], error[N], room[N],
+    bodies[(BODIES + 1) * RC_ALARM_BODY];
 static rc_filter f;
 static rc_alarm alarm;
 
@@ -36,6 +37,21 @@ static void begin(void)
     f.room = room;
     rc_alarm_begin(&alarm, bodies, BODIES, 1000, 0, RC(0.05), RC(5e-3));
     rc_trial_begin(&f, &alarm, bodies, RC(0.05), RC(5e-3));
+    for (int b = 0; b <= BODIES; b++) { /* what is not lent, and past the last body */
+        for (int k = b < BODIES ? RC_TRIAL_SIZE : 0; k < RC_ALARM_BODY; k++) {
+            bodies[b * RC_ALARM_BODY + k] = 77;
+        }
+    }
+}
+
+/* What is not lent stays. */
+static void assert_untouched(void)
+{
+    for (int b = 0; b <= BODIES; b++) {
+        for (int k = b < BODIES ? RC_TRIAL_SIZE : 0; k < RC_ALARM_BODY; k++) {
+            ASSERT_NEAR(77, bodies[b * RC_ALARM_BODY + k], 0);
+        }
+    }
 }
 
 /* A match of a random pair. */
@@ -104,6 +120,7 @@ static void test_the_body_that_moved_is_named_and_found(void)
             sum += D(rc_trial_share(&f, bodies, b));
         }
         ASSERT_NEAR(1, sum, 1e-5);
+        assert_untouched();
         TEST_ASSERT_TRUE(rc_trial_share(&f, bodies, body) > RC(0.999));
         rc_trial_result(&pose, Sigma, &f, bodies, body);
         double seen_R[9], seen_t[3];
@@ -461,7 +478,7 @@ static void test_an_error_that_overflows_in_the_trial_explains_nothing(void)
 /* A row that the filter itself cannot evaluate changes no trial. */
 static void test_rows_that_the_filter_cannot_take_are_left_out(void)
 {
-    static rigcal_real before[BODIES * RC_ALARM_BODY];
+    static rigcal_real before[(BODIES + 1) * RC_ALARM_BODY];
     const rigcal_camera camera = test_pinhole();
     rc_seen seen;
 

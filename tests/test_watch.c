@@ -3,6 +3,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "rc_monitor.h"
 #include "test_watched.h"
 
 static const double DEGREE = TEST_PI / 180;
@@ -324,6 +325,321 @@ static void test_frames_that_cannot_be_are_refused(void)
     ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_monitor_ask(NULL, w.monitor));
 }
 
+/* ---- the limit of the evidence ------------------------------------------------ */
+
+/* Sets the limit of the evidence, between frames. */
+static void set_limit(rigcal_real log_limit)
+{
+    rc_monitor open;
+
+    ASSERT_STATUS(RIGCAL_OK, rc_monitor_open(&open, w.monitor));
+    open.top.head.alarm.log_limit = log_limit;
+    rc_monitor_close(&open, 1);
+}
+
+static void begin_pair(uint64_t seed, int n_targets)
+{
+    test_rng rng = test_seed(seed);
+
+    test_watched_make(&w, &rng, 2, 1, 0.05 * DEGREE, 2e-3);
+    test_watched_begin(&w, n_targets, NULL);
+}
+
+static void end_frame(rigcal_monitor_report *report)
+{
+    ASSERT_STATUS(RIGCAL_OK, rigcal_monitor_frame(report, w.monitor, 0));
+}
+
+/* Evidence of 0 raises it. */
+static void test_evidence_at_its_limit_raises_the_alarm(void)
+{
+    const watched_matches one = {1, 0.3, 0, 1};
+    rigcal_monitor_report report;
+    rigcal_real sum = 0;
+
+    WANTS_RIG();
+    for (int k = 0; k < 3; k++) {
+        test_rng rng = test_seed(901);
+
+        begin_pair(900, 0);
+        test_watched_match(&w, &rng, &one);
+        set_limit(k == 0 ? RC(0) : k == 1 ? sum : sum + RC(0.25));
+        end_frame(&report);
+        sum = k == 0 ? report.evidence : sum; /* less a limit of 0 */
+        TEST_ASSERT_TRUE(k == 0 || report.alarm == (k == 1));
+        ASSERT_NEAR(k == 1   ? 0
+                    : k == 2 ? -0.25
+                             : D(sum),
+                    report.evidence, k == 2 ? 1e-6 : 0);
+    }
+}
+
+/* The report before an alarm, with it and after the answer. */
+static void test_an_answer_ends_all_of_an_alarm(void)
+{
+    rigcal_monitor_report report;
+
+    WANTS_RIG();
+    for (int has_moved = 0; has_moved < 2; has_moved++) {
+        begin_pair(902, 0);
+        end_frame(&report);
+        TEST_ASSERT_TRUE(report.alarm == 0 && report.frames_since == 0);
+        ASSERT_NEAR(0, report.confidence, 0);
+        TEST_ASSERT_EQUAL_INT32(0, report.body);
+        set_limit(-1000);
+        for (uint32_t f = 1; f < 4; f++) {
+            end_frame(&report);
+            TEST_ASSERT_EQUAL_INT32(1, report.alarm);
+            TEST_ASSERT_EQUAL_UINT32(f, report.frames_since);
+            TEST_ASSERT_TRUE(report.confidence > 0 && report.evidence > 900);
+        }
+        ASSERT_STATUS(RIGCAL_OK, has_moved ? rigcal_monitor_moved(w.monitor, 1)
+                                           : rigcal_monitor_dismiss(w.monitor));
+        ASSERT_STATUS(RIGCAL_OK, rigcal_monitor_ask(&report, w.monitor));
+        TEST_ASSERT_TRUE(report.alarm == 0 && report.frames_since == 0);
+        TEST_ASSERT_EQUAL_UINT32(4, report.frames);
+        ASSERT_NEAR(0, report.evidence, 0);
+        ASSERT_NEAR(0, report.confidence, 0);
+        ASSERT_STATUS(RIGCAL_ERR_STATE, rigcal_monitor_dismiss(w.monitor));
+    }
+}
+
+/* Whether the pose of a camera moves at a match, before the frame ends. */
+static int moves_at_once(size_t camera, test_rng *rng)
+{
+    const watched_matches some = {6, 0.3, 0, 1};
+    rigcal_mounted_camera before, after;
+
+    ASSERT_STATUS(RIGCAL_OK, rigcal_monitor_camera(&before, w.monitor, camera));
+    test_watched_match(&w, rng, &some);
+    ASSERT_STATUS(RIGCAL_OK, rigcal_monitor_camera(&after, w.monitor, camera));
+    return memcmp(&before.cam_from_rig, &after.cam_from_rig, sizeof before.cam_from_rig) !=
+           0;
+}
+
+/* Of three cameras, the opened one alone follows its rows. An alarm ends that. */
+static void test_a_camera_settles_by_itself_until_an_alarm(void)
+{
+    test_rng rng = test_seed(903);
+
+    if (WATCHED_CAMERAS_MAX < 3) {
+        TEST_IGNORE_MESSAGE("wants three cameras");
+    }
+    for (size_t opened = 1; opened < 3; opened++) {
+        test_watched_make(&w, &rng, 3, 0, 0.05 * DEGREE, 2e-3);
+        test_watched_begin(&w, 0, NULL);
+        ASSERT_STATUS(RIGCAL_OK, rigcal_monitor_moved(w.monitor, opened));
+        TEST_ASSERT_TRUE(moves_at_once(opened, &rng));
+        TEST_ASSERT_FALSE(moves_at_once(3 - opened, &rng));
+        end_frame(NULL);
+        set_limit(-1000);
+        end_frame(NULL);
+        ASSERT_STATUS(RIGCAL_OK, rigcal_monitor_dismiss(w.monitor));
+        TEST_ASSERT_FALSE(moves_at_once(opened, &rng));
+    }
+}
+
+/* After each frame of an alarm the trial that explains most has a sum of 0. */
+static void test_sums_of_trials_do_not_grow(void)
+{
+    const watched_matches some = {10, 3, 0, 1};
+    test_rng rng = test_seed(904);
+
+    WANTS_RIG();
+    begin_pair(905, 0);
+    set_limit(-1000);
+    end_frame(NULL);
+    for (int f = 0; f < 3; f++) {
+        rc_monitor open;
+
+        test_watched_match(&w, &rng, &some);
+        end_frame(NULL);
+        ASSERT_STATUS(RIGCAL_OK, rc_monitor_open(&open, w.monitor));
+        const double a = D(open.bodies[RC_TRIAL_LOG]);
+        const double b = D(open.bodies[RC_ALARM_BODY + RC_TRIAL_LOG]);
+        ASSERT_NEAR(0, fmax(a, b), 0);
+    }
+}
+
+/* ---- who is blind ---------------------------------------------------------------- */
+
+/* Of three cameras two see each other. One that is blind hides what would be noticed. */
+static void test_one_camera_that_is_blind_is_counted(void)
+{
+    const rigcal_real ray[3] = {0, 0, 1};
+    test_rng rng = test_seed(906);
+    rigcal_monitor_report report = {0};
+    rigcal_body_report body[3];
+
+    if (WATCHED_CAMERAS_MAX < 3) {
+        TEST_IGNORE_MESSAGE("wants three cameras");
+    }
+    test_watched_make(&w, &rng, 3, 0, 0.05 * DEGREE, 2e-3);
+    test_watched_begin(&w, 0, NULL);
+    for (int f = 0; f < 40; f++) {
+        for (int i = 0; i < 8; i++) {
+            rigcal_real rays[2][3] = {{0, 0, 1}, {0, 0, 1}};
+            double X[3], uv[2];
+
+            test_watched_point(X, &w, &rng);
+            for (int c = 0; c < 2; c++) {
+                test_watched_pixel(uv, &w, c, X);
+                rays[c][0] = RC((uv[0] - 640 + 0.3 * test_normal(&rng)) / 800);
+                rays[c][1] = RC((uv[1] - 480 + 0.3 * test_normal(&rng)) / 800);
+            }
+            ASSERT_STATUS(RIGCAL_OK, rigcal_monitor_match_rays(w.monitor, 0, rays[0], 1,
+                                                               rays[1], RC(0.3)));
+        }
+        end_frame(&report);
+    }
+    TEST_ASSERT_EQUAL_INT32(1, report.n_blind);
+    ASSERT_NEAR(0, report.smallest_rad, 0);
+    for (size_t b = 0; b < 3; b++) {
+        ASSERT_STATUS(RIGCAL_OK, rigcal_monitor_body(&body[b], w.monitor, b));
+        TEST_ASSERT_EQUAL_INT32(b == 2, body[b].is_blind);
+        TEST_ASSERT_EQUAL_INT(b<2, body[b].smallest_rad> 0);
+    }
+    for (int i = 0; i < 6; i++) { /* six rows are enough */
+        ASSERT_STATUS(RIGCAL_OK,
+                      rigcal_monitor_match_rays(w.monitor, 2, ray, 1, ray, RC(0.3)));
+        ASSERT_STATUS(RIGCAL_OK, rigcal_monitor_ask(&report, w.monitor));
+        TEST_ASSERT_EQUAL_INT32(i < 5, report.n_blind);
+    }
+    const double worst = fmax(D(body[0].smallest_rad), D(body[1].smallest_rad));
+    TEST_ASSERT_TRUE(report.smallest_rad == 0 || D(report.smallest_rad) >= worst);
+}
+
+/* ---- where the frame is ------------------------------------------------------------ */
+
+/* Camera 1 is the frame, so camera 0 is followed. */
+static void test_each_camera_but_the_frame_is_followed(void)
+{
+    const watched_matches some = {20, 0.3, 0, 1};
+    test_rng rng = test_seed(907);
+    rigcal_mounted_camera before[2], after[2];
+
+    WANTS_RIG();
+    test_watched_make(&w, &rng, 2, 1, 0.05 * DEGREE, 2e-3);
+    w.held[0] = 0;
+    w.held[1] = 1;
+    test_watched_begin(&w, 0, NULL);
+    for (size_t c = 0; c < 2; c++) {
+        ASSERT_STATUS(RIGCAL_OK, rigcal_monitor_camera(&before[c], w.monitor, c));
+    }
+    test_watched_match(&w, &rng, &some);
+    end_frame(NULL);
+    for (size_t c = 0; c < 2; c++) {
+        ASSERT_STATUS(RIGCAL_OK, rigcal_monitor_camera(&after[c], w.monitor, c));
+        TEST_ASSERT_EQUAL_INT(c == 0,
+                              memcmp(&before[c].cam_from_rig, &after[c].cam_from_rig,
+                                     sizeof before[c].cam_from_rig) != 0);
+    }
+}
+
+/* ---- what becomes uncertain ------------------------------------------------------ */
+
+/* All elements of a body's covariance, as standard deviations and correlations. */
+static void covariance_of(rigcal_real Sigma[36], size_t body)
+{
+    rigcal_transform b_from_a;
+
+    ASSERT_STATUS(RIGCAL_OK, rigcal_monitor_pair(&b_from_a, Sigma, w.monitor, 0, body));
+}
+
+/* Time moves cameras, not targets. The frame's walk moves all others. With no walk not one
+ * bit of the covariance changes. */
+static void test_time_moves_cameras_and_not_targets(void)
+{
+    static double X_w[4][3] = {{-0.3, 0.2, 0}, {0.3, 0.2, 0.1}, {0, -0.3, 0}, {0, 0, -0.2}};
+    static const double TIMES[2] = {2, 1}; /* of camera 1, of the target */
+
+    TEST_WANTS_RAM(sizeof w + 30000);
+    for (int has_walk = 0; has_walk < 2; has_walk++) {
+        test_rng rng = test_seed(908);
+        rigcal_monitor_options o;
+        rigcal_observation seen[4];
+        rigcal_real before[2][36], after[36];
+
+        options_of(&o, 1e9);
+        o.walk_rad = has_walk ? RC(0.25) : 0;
+        o.walk_t = has_walk ? RC(0.5) : 0;
+        test_watched_make(&w, &rng, 2, 1, 0.05 * DEGREE, 2e-3);
+        test_watched_begin(&w, 1, &o);
+        test_watched_hang(&w, &rng, 0, 0);
+        for (int c = 0; c < 2; c++) {
+            test_watched_see(seen, &w, c, 0, X_w, 4, &rng, 0);
+            ASSERT_STATUS(RIGCAL_OK,
+                          rigcal_monitor_view(w.monitor, NULL, (size_t)c, 0, seen, 4, 1));
+        }
+        rc_monitor open;
+        ASSERT_STATUS(RIGCAL_OK, rc_monitor_open(&open, w.monitor));
+        for (size_t b = 0; b < 2; b++) {
+            rc_filter_block(before[b], &open.filter, 1 + b, 1 + b);
+        }
+        ASSERT_STATUS(RIGCAL_OK, rigcal_monitor_frame(NULL, w.monitor, RC(0.125)));
+        ASSERT_STATUS(RIGCAL_OK, rc_monitor_open(&open, w.monitor));
+        for (size_t b = 0; b < 2; b++) {
+            rc_filter_block(after, &open.filter, 1 + b, 1 + b);
+            for (int k = 0; k < 36 && has_walk; k++) {
+                const double q = k % 7 > 0 ? 0 : k < 18 ? 0.0625 : 0.25;
+                ASSERT_NEAR(D(before[b][k]) + TIMES[b] * 0.125 * q, after[k],
+                            TOL(1e-12, 1e-6));
+            }
+            if (!has_walk) {
+                TEST_ASSERT_EQUAL_MEMORY(before[b], after, sizeof after);
+            }
+        }
+    }
+}
+
+/* Without an alarm an opened camera is uncertain by the largest move, and others stay. */
+static void test_an_opened_camera_is_uncertain_by_the_largest_move(void)
+{
+    const watched_matches some = {20, 0.3, 0, 1};
+    test_rng rng = test_seed(909);
+    rigcal_monitor_options o;
+    rigcal_real before[36], after[36];
+
+    WANTS_RIG();
+    options_of(&o, 1e9);
+    o.move_rad = RC(0.25);
+    o.move_t = RC(0.5);
+    for (size_t opened = 0; opened < 2; opened++) { /* 0: the frame, so camera 1 moves */
+        test_watched_make(&w, &rng, 2, 1, 0.05 * DEGREE, 2e-3);
+        test_watched_begin(&w, 0, &o);
+        test_watched_match(&w, &rng, &some);
+        ASSERT_STATUS(RIGCAL_OK, rigcal_monitor_frame(NULL, w.monitor, 0));
+        covariance_of(before, 1);
+        ASSERT_STATUS(RIGCAL_OK, rigcal_monitor_moved(w.monitor, opened));
+        ASSERT_STATUS(RIGCAL_OK,
+                      rigcal_monitor_ask(&(rigcal_monitor_report){0}, w.monitor));
+        covariance_of(after, 1);
+        for (int k = 0; k < 36; k++) {
+            const double q = k % 7 > 0 ? 0 : k < 18 ? 0.0625 : 0.25;
+
+            if (opened == 1) { /* in its own axes */
+                ASSERT_NEAR(D(before[k]) + q, after[k], TOL(1e-14, 1e-7));
+            } else if (k % 7 == 0 && k < 18) { /* a turn, in any axes */
+                TEST_ASSERT_TRUE(D(after[k]) > D(before[k]) + 0.06);
+            }
+        }
+    }
+}
+
+/* Up to 1e6 seconds. */
+static void test_a_frame_may_be_long(void)
+{
+    WANTS_RIG();
+    begin_pair(910, 0);
+    ASSERT_STATUS(RIGCAL_OK, rigcal_monitor_frame(NULL, w.monitor, RC(1e6)));
+    ASSERT_STATUS(RIGCAL_ERR_RANGE, rigcal_monitor_frame(NULL, w.monitor, RC(1000001)));
+    ASSERT_STATUS(RIGCAL_ERR_NOT_FINITE, rigcal_monitor_frame(NULL, w.monitor, TEST_INF));
+    ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_monitor_ask(NULL, NULL));
+    ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_monitor_dismiss(NULL));
+    ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_monitor_moved(NULL, 0));
+    ASSERT_STATUS(RIGCAL_ERR_RANGE, rigcal_monitor_moved(w.monitor, SIZE_MAX));
+}
+
 TEST_MAIN()
 {
     RUN_TEST(test_the_ellipsoid_of_all_cameras_holds_the_truth);
@@ -335,4 +651,13 @@ TEST_MAIN()
     RUN_TEST(test_an_opened_camera_follows_its_rows_for_ten_frames);
     RUN_TEST(test_an_empty_scene_is_blind_not_well);
     RUN_TEST(test_frames_that_cannot_be_are_refused);
+    RUN_TEST(test_evidence_at_its_limit_raises_the_alarm);
+    RUN_TEST(test_an_answer_ends_all_of_an_alarm);
+    RUN_TEST(test_a_camera_settles_by_itself_until_an_alarm);
+    RUN_TEST(test_sums_of_trials_do_not_grow);
+    RUN_TEST(test_one_camera_that_is_blind_is_counted);
+    RUN_TEST(test_each_camera_but_the_frame_is_followed);
+    RUN_TEST(test_time_moves_cameras_and_not_targets);
+    RUN_TEST(test_an_opened_camera_is_uncertain_by_the_largest_move);
+    RUN_TEST(test_a_frame_may_be_long);
 }

@@ -217,6 +217,20 @@ void test_watched_target_point(double X[3], const test_watched *w, int target,
     test_apply(X, Rt, from, NULL);
 }
 
+void test_watched_hang(test_watched *w, test_rng *rng, int target, double shift)
+{
+    watched_pose *const pose = &w->truth[w->n_cameras + target];
+    const double axis[3] = {test_normal(rng), test_normal(rng), test_normal(rng)};
+    const double at[3] = {shift, -0.1, 2.5};
+    double minus[3];
+
+    test_rotation_about(pose->R, axis, 0.5);
+    test_apply(minus, pose->R, at, NULL);
+    for (int k = 0; k < 3; k++) {
+        pose->t[k] = -minus[k];
+    }
+}
+
 static void see(rigcal_real uv[2], const test_watched *w, int camera, const double X[3],
                 test_rng *rng, double noise)
 {
@@ -225,6 +239,18 @@ static void see(rigcal_real uv[2], const test_watched *w, int camera, const doub
     test_watched_pixel(px, w, camera, X);
     uv[0] = (rigcal_real)(px[0] + noise * test_normal(rng));
     uv[1] = (rigcal_real)(px[1] + noise * test_normal(rng));
+}
+
+void test_watched_see(rigcal_observation o[], const test_watched *w, int camera, int target,
+                      double X_w[][3], int n, test_rng *rng, double noise_px)
+{
+    for (int i = 0; i < n; i++) {
+        double X[3];
+
+        test_watched_target_point(X, w, target, X_w[i]);
+        test_to_real(o[i].X_w, X_w[i], 3);
+        see(o[i].uv, w, camera, X, rng, noise_px);
+    }
 }
 
 static void to_ray(rigcal_real ray[3], const rigcal_real uv[2])

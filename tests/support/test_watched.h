@@ -59,6 +59,13 @@ void test_watched_pixel(double uv[2], const test_watched *w, int camera, const d
 void test_watched_target_point(double X[3], const test_watched *w, int target,
                                const double X_w[3]);
 
+/* Turns a target at random, 2.5 in front of the cameras and aside by `shift`. */
+void test_watched_hang(test_watched *w, test_rng *rng, int target, double shift);
+
+/* What a camera sees of a target with these n points. */
+void test_watched_see(rigcal_observation o[], const test_watched *w, int camera, int target,
+                      double X_w[][3], int n, test_rng *rng, double noise_px);
+
 /* Gives the monitor the matches of a frame. Each match is of two random cameras. */
 void test_watched_match(test_watched *w, test_rng *rng, const watched_matches *like);
 

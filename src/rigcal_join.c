@@ -144,8 +144,9 @@ static int begin_placement(rigcal_rig_solver *s, const rc_rig_parts *parts)
 static void begin_round(rigcal_rig_solver *s, const rc_rig_parts *parts)
 {
     candidate *const best = candidates_of(parts);
-    for (size_t c = s->rig->n_cameras; c > 0; c--) {
-        best[c - 1].information = 0;
+    const size_t n = s->rig->n_cameras;
+    for (size_t c = 0; c < n; c++) {
+        best[c].information = 0;
     }
     s->view = s->placement = 0;
     (void)begin_placement(s, parts);

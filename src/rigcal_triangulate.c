@@ -164,7 +164,7 @@ static rigcal_status nearest_to_rays(rigcal_real X[3], const sightings *v)
         rc_mat3_tmul_vec3(d, T->R, ray);
         rc_mat3_tmul_vec3(o, T->R, T->t);
         rc_vec3_add_scaled(X, rc_vec3_dot(d, o), d);
-        rc_vec3_add_scaled(X, -1, o);
+        rc_vec3_sub(X, X, o);
         rc_sym3_add_outer(A, -1, d);
     }
     if (rc_point_factor(A, A, 0)) {
@@ -186,7 +186,7 @@ typedef struct {
 /* *sum is the sum of squared pixel distances at s->X; g = J^T e and H = J^T J. */
 static rigcal_status evaluate(rigcal_real *sum, triangulation *s, const sightings *v)
 {
-    rigcal_real total = 0;
+    *sum = 0;
     rc_clear(s->H, 6);
     rc_clear(s->g, 3);
     for (size_t i = 0; i < v->n; i++) {
@@ -200,10 +200,9 @@ static rigcal_status evaluate(rigcal_real *sum, triangulation *s, const sighting
             return status;
         }
         rc_point_add(s->g, s->H, B, T->R, e);
-        total += e[0] * e[0] + e[1] * e[1];
+        *sum += e[0] * e[0] + e[1] * e[1];
     }
-    *sum = total;
-    return rc_is_finite(total) ? RIGCAL_OK : RIGCAL_ERR_NO_RAY;
+    return rc_is_finite(*sum) ? RIGCAL_OK : RIGCAL_ERR_NO_RAY;
 }
 
 RC_APART int rc_point_factor(rigcal_real L[6], const rigcal_real H[6], rigcal_real damping)
@@ -280,12 +279,12 @@ rigcal_status rigcal_point_triangulate(rigcal_point *point, const rigcal_camera 
     if (status < 0) {
         return status;
     }
+    rc_vec3_copy(point->X, s.X);
     for (int k = 0; k < 3; k++) {
         rigcal_real *const row = &point->Sigma[3 * k];
-        row[0] = row[1] = row[2] = 0;
+        rc_clear(row, 3);
         row[k] = sigma_px * sigma_px;
         rc_point_solve(row, L);
-        point->X[k] = s.X[k];
     }
     point->rms_px = RC_SQRT(s.search.sum / (rigcal_real)n);
     return (status == RIGCAL_OK) ? RIGCAL_OK : RIGCAL_BUDGET_SPENT;

@@ -767,7 +767,7 @@ static int rank_of(const rigcal_link links[], int n_cameras, int a, int b)
  * a pair could agree with its three other placements. */
 static void test_the_best_three_pairs_of_each_camera_are_scored(void)
 {
-    static rigcal_link links[RIGCAL_LINKS(MANY)];
+    static rigcal_link links[RIGCAL_LINKS(MANY) + 1];
     test_rng rng = test_seed(558);
     rigcal_choose_solver solver;
     int32_t n_groups;

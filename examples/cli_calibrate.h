@@ -17,8 +17,8 @@
  * pixel. */
 enum { POINT_DISAGREES = 0, POINT_COUNTS = 1, POINT_UNSEEN = 2 };
 
-/* Poses of a view that are kept: the one that is taken, and the best of the others. Their
- * rotations are kept as quaternions: a third of the memory. */
+/* Poses of a view that are kept: the one that is taken, and the best of the others. A
+ * rotation is kept as a quaternion, because this takes 4 numbers and a matrix 9. */
 enum { POSES_KEPT = 2 };
 typedef struct {
     rigcal_real q_wxyz[4], t[3];

@@ -27,7 +27,7 @@ static rigcal_link *links_of(const calibration *c)
     rigcal_rig rig = c->rig;
     int32_t at_fault, n_groups;
 
-    if (n == 0) {
+    if (n == 0) { /* one camera has no links */
         return links;
     }
     rig.work = cli_alloc(rig.work_capacity, sizeof *rig.work);

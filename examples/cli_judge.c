@@ -158,8 +158,8 @@ static rigcal_status change_frame(calibration *c, size_t main_camera, int32_t *a
     return rigcal_rig_adjust(&c->judgement.fit, at_fault, rig);
 }
 
-/* If the adjustment fails, the rig remains that of the choice, which is then made again: a
- * copy of a million placements would be large. */
+/* If the adjustment fails, the poses are chosen again, so that the rig is that of the
+ * choice. A copy of a million placements would take too much memory. */
 static int judge_views(calibration *c)
 {
     rigcal_rig *rig = &c->rig;

@@ -1,12 +1,12 @@
-/* A part of the rig. The library reads all views of a rig that it is asked about. So it is
- * asked about the few that tell the cause: otherwise the time would grow with the square of
- * the file. */
+/* A part of the rig. A search for a cause reads all views of its rig. It is given only the
+ * views that can tell the cause. Otherwise the time would grow with the square of the
+ * length of the file. */
 #include "cli_calibrate.h"
 
 #include <string.h>
 
-/* Of a camera with more views than this, so many runs of so many views tell why they are
- * wrong. The time grows with the square of their number. */
+/* If a camera has more than RUNS * RUN views, only RUNS runs of RUN views each are
+ * compared. The time grows with the square of the number of views that are compared. */
 enum { RUNS = 8, RUN = 16 };
 
 static rigcal_status view_of_part(rigcal_rig_view *seen, size_t index, void *context)
@@ -20,10 +20,6 @@ static rigcal_status pose_of_part(rigcal_view_pose *pose, size_t index, void *co
 {
     const rig_part *part = context;
 
-    if (part->c->rig.view_poses != NULL) {
-        *pose = part->c->rig.view_poses[part->views[index]];
-        return RIGCAL_OK;
-    }
     return pose_at(pose, part->views[index], part->c);
 }
 
@@ -55,8 +51,8 @@ void close_part(rig_part *part)
     cli_free(part->left_out);
 }
 
-/* The views of the placement of view i, of the one before and the one after. Returns the
- * number of view i among them. */
+/* Takes the views of three placements: that of view i, the one before and the one after.
+ * Returns the number that view i has in the part. */
 static size_t open_part_near(rig_part *part, calibration *c, size_t i)
 {
     const size_t placement = rig_view(c, i)->placement;
@@ -87,11 +83,12 @@ rigcal_status cause_of_view(rigcal_cause *cause, calibration *c, size_t i,
     return status;
 }
 
-/* All views of the camera, or a number of runs of them from all over the recording, and
- * with each the views of its placement, of the one before and the one after. */
+/* The runs are spread evenly over the recording. With each view of the camera come all
+ * views of three placements: its own, the one before and the one after. */
 void open_part_of_camera(rig_part *part, calibration *c, size_t camera)
 {
-    uint8_t *wanted = cli_alloc(c->rig.n_placements + 2, sizeof *wanted); /* from -1 on */
+    uint8_t *wanted = cli_alloc(c->rig.n_placements + 2, sizeof *wanted); /* from
+                                                placement -1 on */
     size_t i, k = 0, n = 0, capacity = 0;
 
     for (i = 0; i < c->rig.n_views; i++) {

@@ -252,11 +252,18 @@ rigcal_status make_pose(rigcal_view_pose *pose, const calibration *c, view *v, s
     return status;
 }
 
+static rigcal_status pose_of(rigcal_view_pose *pose, const calibration *c, size_t index)
+{
+    if (c->rig.view_poses != NULL) {
+        *pose = c->rig.view_poses[index];
+        return RIGCAL_OK;
+    }
+    return make_pose(pose, c, rig_view(c, index), 0);
+}
+
 rigcal_status pose_at(rigcal_view_pose *pose, size_t index, void *context)
 {
-    const calibration *c = context;
-
-    return make_pose(pose, c, rig_view(c, index), 0);
+    return pose_of(pose, context, index);
 }
 
 rigcal_status second_pose_at(rigcal_view_pose *pose, size_t index, void *context)
@@ -271,10 +278,7 @@ rigcal_view_pose pose_in_rig(const calibration *c, size_t index)
 {
     rigcal_view_pose pose;
 
-    if (c->rig.view_poses != NULL) {
-        return c->rig.view_poses[index];
-    }
-    make_pose(&pose, c, rig_view(c, index), 0);
+    pose_of(&pose, c, index);
     return pose;
 }
 

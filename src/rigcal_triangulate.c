@@ -148,7 +148,8 @@ RC_APART void rc_point_solve(rigcal_real x[3], const rigcal_real L[6])
 
 /* Finds the point with the least sum of squared distances from the rays: sum (I - d d^T) (X
  * - o) = 0. A ray begins at o = -R^T t and has the unit direction d. The sum of I - d d^T
- * over two rays an angle a apart has the determinant 2 sin^2 a, in any frame. */
+ * over two rays an angle a apart has the determinant 2 sin^2 a, in any frame. So n^3 /
+ * determinant, 4 / sin^2 a for two rays, is the measure of parallax for n rays. */
 static rigcal_status nearest_to_rays(rigcal_real X[3], const sightings *v)
 {
     const rigcal_real n = (rigcal_real)v->n;

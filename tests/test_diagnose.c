@@ -31,6 +31,22 @@ static void make(problem *p, test_rng *rng, int n, test_shape shape)
     }
 }
 
+/* Point i of more than N_MAX points before one camera, without noise. i counts from 0. */
+static rigcal_observation exact_point(problem *p, test_rng *rng, int i)
+{
+    if (i % N_MAX == 0) {
+        const test_scene same = p->scene;
+
+        make(p, rng, N_MAX, TEST_GENERAL);
+        if (i > 0) {
+            memcpy(p->scene.R, same.R, sizeof same.R);
+            memcpy(p->scene.t, same.t, sizeof same.t);
+        }
+        test_observations(p->o, &p->scene, &p->camera);
+    }
+    return p->o[i % N_MAX];
+}
+
 /* Moves the pixel of a point by this much, in a random direction. */
 static void spoil(problem *p, test_rng *rng, int i, double by_px)
 {
@@ -236,16 +252,7 @@ static void test_a_point_that_is_certain_may_be_chance(void)
             test_rng rng = test_seed(26);
 
             for (int i = 0; i < MANY; i++) {
-                if (i % N_MAX == 0) {
-                    const test_scene same = p.scene;
-                    make(&p, &rng, N_MAX, TEST_GENERAL);
-                    if (i > 0) { /* more points before the same camera */
-                        memcpy(p.scene.R, same.R, sizeof same.R);
-                        memcpy(p.scene.t, same.t, sizeof same.t);
-                    }
-                    test_observations(p.o, &p.scene, &p.camera);
-                }
-                o[i] = p.o[i % N_MAX];
+                o[i] = exact_point(&p, &rng, i);
             }
             o[50].uv[0] += RC(off);
             ASSERT_STATUS(
@@ -493,16 +500,7 @@ static void test_of_64_points_each_is_left_out(void)
     TEST_ON_HOST_ONLY("130 poses of 64 points");
     for (int n = RIGCAL_BLAME_TRIES; n <= RIGCAL_BLAME_TRIES + 1; n++) {
         for (int i = 0; i < n; i++) {
-            if (i % N_MAX == 0) {
-                const test_scene same = p.scene;
-                make(&p, &rng, N_MAX, TEST_GENERAL);
-                if (i > 0) { /* more points before the same camera */
-                    memcpy(p.scene.R, same.R, sizeof same.R);
-                    memcpy(p.scene.t, same.t, sizeof same.t);
-                    test_observations(p.o, &p.scene, &p.camera);
-                }
-            }
-            o[i] = p.o[i % N_MAX];
+            o[i] = exact_point(&p, &rng, i);
             o[i].uv[0] += RC(NOISE * test_normal(&rng));
         }
         o[61].uv[0] += 9;

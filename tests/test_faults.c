@@ -548,17 +548,23 @@ static void test_without_times_no_clock_is_tested_and_that_is_told(void)
     }
 }
 
-static void test_placements_far_apart_in_time_have_no_motion(void)
+/* Tests a rig whose placements are 10 s apart. */
+static void test_without_neighbours(void)
 {
     rigcal_rig_fit fit;
 
-    WANTS_A_RIG;
     set_up(&x, 1);
     for (int p = 0; p < PLACEMENTS; p++) {
         x.times[p] = RC(10 * p);
     }
     ASSERT_STATUS(RIGCAL_OK, rigcal_rig_adjust(&fit, NULL, &x.rig));
     test_it(&x);
+}
+
+static void test_placements_far_apart_in_time_have_no_motion(void)
+{
+    WANTS_A_RIG;
+    test_without_neighbours();
     TEST_ASSERT_TRUE((x.found.bits & RIGCAL_FAULTS_NO_NEIGHBOUR) != 0);
     TEST_ASSERT_EQUAL_INT32(0, fault_of(&x, RIGCAL_FAULT_CLOCK, 1)->is_seen);
 }
@@ -1350,12 +1356,7 @@ static void test_without_motion_nothing_lies_along_it(void)
     rigcal_rig_fit fit;
 
     WANTS_A_RIG;
-    set_up(&x, 1);
-    for (int p = 0; p < PLACEMENTS; p++) {
-        x.times[p] = RC(10 * p);
-    }
-    ASSERT_STATUS(RIGCAL_OK, rigcal_rig_adjust(&fit, NULL, &x.rig));
-    test_it(&x);
+    test_without_neighbours();
     ASSERT_NEAR(0, x.found.along, 0);
     ASSERT_NEAR(0, x.found.along_time, 0);
     TEST_ASSERT_TRUE(x.found.F > 0 && x.found.pattern_sigma > 0);

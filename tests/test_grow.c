@@ -715,17 +715,23 @@ static void test_a_doubtful_placement_does_not_count(void)
 enum { MANY = TEST_ONE_IN > 1 ? 1 : 12 };
 TEST_TAGS(many, MANY, 4);
 
+/* Four placements before all cameras. */
+static void make_many(test_rng *rng)
+{
+    many.distance = 10;
+    many.share_seen = 1;
+    many.noise_px = 0.3;
+    test_tags_random(&many, rng, MANY, 4);
+    test_tags_solve(&many);
+}
+
 static void test_many_cameras_and_two_that_are_alike(void)
 {
     test_rng rng = test_seed(556);
     size_t last[2] = {0, 0};
 
     TEST_ON_HOST_ONLY("memory of twelve cameras");
-    many.distance = 10;
-    many.share_seen = 1;
-    many.noise_px = 0.3;
-    test_tags_random(&many, &rng, MANY, 4);
-    test_tags_solve(&many);
+    make_many(&rng);
     for (size_t v = 0; v < many.rig.n_views; v++) {
         if (many.views[v].camera >= MANY - 2) {
             last[many.views[v].camera - (MANY - 2)] = v;
@@ -774,11 +780,7 @@ static void test_the_best_three_pairs_of_each_camera_are_scored(void)
     int pairs = 0;
 
     TEST_ON_HOST_ONLY("memory of twelve cameras");
-    many.distance = 10;
-    many.share_seen = 1;
-    many.noise_px = 0.3;
-    test_tags_random(&many, &rng, MANY, 4);
-    test_tags_solve(&many);
+    make_many(&rng);
     for (size_t v = 0; v < many.rig.n_views; v++) { /* some cameras are alike */
         const size_t from = v - (size_t)(many.own[v].camera % 3);
         const rigcal_view_pose own = many.own[v];

@@ -106,6 +106,19 @@ static void test_wrong_points_do_no_harm(void)
     TEST_ASSERT_TRUE(found + 5 >= there && found <= there + 25);
 }
 
+/* The distances of all points of view v, in pixels. Returns their number. */
+static size_t errors_of(double errors[RIG_POINTS_MAX], size_t v)
+{
+    rigcal_real duv[2 * RIG_POINTS_MAX];
+    size_t n;
+
+    ASSERT_STATUS(RIGCAL_OK, rigcal_rig_residuals(duv, 2 * RIG_POINTS_MAX, &n, &r.rig, v));
+    for (size_t i = 0; i < n; i++) {
+        errors[i] = hypot(D(duv[2 * i]), D(duv[2 * i + 1]));
+    }
+    return n;
+}
+
 /* The fit is that of the points within 4 sigma, and there is no test of the rig. */
 static void test_the_fit_is_that_of_the_points_that_count(void)
 {
@@ -119,13 +132,11 @@ static void test_the_fit_is_that_of_the_points_that_count(void)
     test_rig_solve_views(&r); /* with their own poses there could be a test */
     ASSERT_STATUS(RIGCAL_OK, rigcal_rig_adjust_robust(&fit, &n_wrong, NULL, &r.rig));
     for (size_t v = 0; v < r.rig.n_views; v++) {
-        rigcal_real duv[2 * RIG_POINTS_MAX];
-        size_t n;
+        double errors[RIG_POINTS_MAX];
+        const size_t n = errors_of(errors, v);
 
-        ASSERT_STATUS(RIGCAL_OK,
-                      rigcal_rig_residuals(duv, 2 * RIG_POINTS_MAX, &n, &r.rig, v));
         for (size_t i = 0; i < n; i++) {
-            const double e = hypot(D(duv[2 * i]), D(duv[2 * i + 1]));
+            const double e = errors[i];
 
             sum += e <= 4 * NOISE ? e * e : 0;
             beyond += !(e <= 4 * NOISE);
@@ -164,13 +175,11 @@ static void sums_of_losses(double sum[2])
 {
     sum[0] = sum[1] = 0;
     for (size_t v = 0; v < r.rig.n_views; v++) {
-        rigcal_real duv[2 * RIG_POINTS_MAX];
-        size_t n;
+        double errors[RIG_POINTS_MAX];
+        const size_t n = errors_of(errors, v);
 
-        ASSERT_STATUS(RIGCAL_OK,
-                      rigcal_rig_residuals(duv, 2 * RIG_POINTS_MAX, &n, &r.rig, v));
         for (size_t i = 0; i < n; i++) {
-            const double e = hypot(D(duv[2 * i]), D(duv[2 * i + 1]));
+            const double e = errors[i];
 
             sum[0] += e < 2 * NOISE ? e * e : 2 * NOISE * (2 * e - 2 * NOISE);
             sum[1] += e < 4 * NOISE ? e * e : 16 * NOISE * NOISE;

@@ -116,7 +116,7 @@ def frame_of(kind: Kind, camera: int, frame: int, n_frames: int) -> int:
     if camera == 1 and kind.name == "tags, late":
         return frame + 1
     if camera == 1 and kind.name == "tags, out of order":
-        return (7919 * frame + 13) % n_frames  # a prime, so that no two frames become one
+        return (7919 * frame + 13) % n_frames  # a prime, so that each frame is named once
     return frame
 
 

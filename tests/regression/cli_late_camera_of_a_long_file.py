@@ -1,5 +1,5 @@
-"""To tell why a camera contradicts the others took a time with the square of its views: a
-day and more where one camera of a million lines is late."""
+"""If one camera was late, the time of calibrate grew with the square of the number of its
+views: a million lines would have taken two days."""
 import os
 import resource
 import sys
@@ -12,7 +12,7 @@ sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."
 from cli_support import CliTest, camera_row, made_up, rotation, write  # noqa: E402
 
 NAMES = ("a", "b", "c")
-MOST = 5.0  # times the processor, for four times the frames; 16 by the square
+MOST = 5.0  # times as much processor time for four times the frames; the square is 16
 
 
 class TestLateCamera(CliTest):

@@ -186,7 +186,8 @@ RIGCAL_API rigcal_status rigcal_rig_result(rigcal_rig_fit *fit, int32_t *at_faul
  * dealt with in two rounds. Huber's loss, linear from 2 sigma, limits their effect.
  * Starting from its answer, the truncated loss, constant from 4 sigma, leaves them out
  * altogether. The points that remain have the equations of least squares, so the
- * covariance is valid as it is. */
+ * covariance is valid as it is. The noise of stamps (rigcal_clocks.h) does not widen these
+ * limits: a point is compared with where its view's stamp says it is. */
 
 enum rigcal_losses { RIGCAL_LOSS_HUBER = 1, RIGCAL_LOSS_TRUNCATED = 2 };
 

@@ -27,8 +27,9 @@ typedef struct rc_rig_parts rc_rig_parts;
 
 /* Functions for views that are given by their points or by their own poses. `check` checks
  * view s->view and counts what s counts. `equations` makes the equations of the view where
- * the rig is: *sum, g and H by (w, dt) of cam_from_target. `step` is one unit of the
- * search, `move` moves the cameras by its step. The last two differ if a rig has clocks. */
+ * the rig is: *sum, g and H by (w, dt) of cam_from_target, without the noise of stamps.
+ * `step` is one unit of the search, `move` moves the cameras by its step. The last two
+ * differ if a rig has clocks. */
 struct rigcal_rig_given {
     rigcal_status (*check)(int32_t *camera, int32_t *placement, rigcal_rig_solver *s);
     rigcal_status (*equations)(rigcal_real *sum, rigcal_real g[6], rigcal_real H[21],

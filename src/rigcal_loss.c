@@ -61,9 +61,6 @@ static rigcal_status equations_by_loss(rigcal_real *sum, rigcal_real g[6],
             rc_rigid_add(g, H, B, q, e, of_point * weight, NULL, 0);
         }
     }
-    if (s->rig->clocks != NULL) {
-        s->rig->clocks->calls->weigh(sum, g, H, chain, s->rig);
-    }
     return rc_is_finite(*sum) ? RIGCAL_OK : RIGCAL_ERR_NO_RAY;
 }
 

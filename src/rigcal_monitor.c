@@ -299,11 +299,11 @@ static rigcal_real mean_distance(const rigcal_calibrated_rig *rig)
     return sum / count;
 }
 
-/* Copies the covariance of the cameras. It is 0 for targets and held cameras. */
+/* Copies the covariance of the cameras. UD was set to 0, which is right for targets and held
+ * cameras. */
 static void copy_covariance(rc_filter *f, const rigcal_calibrated_rig *rig)
 {
     size_t from_i = 0;
-    rc_clear(f->UD, f->n * (f->n + 1) / 2);
     for (size_t a = 0; a < rig->n_cameras; a++) {
         size_t from_j = 0;
         for (size_t b = 0; b <= a && !rig->held[a]; b++) {

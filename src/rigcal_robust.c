@@ -465,8 +465,6 @@ static void fill(rigcal_robust_solver *s, const rigcal_points *points, uint8_t i
     }
     s->wanted = s->samples;
     s->work.trial.cost = s->rival_cost = RC_MAX;
-    s->sample[1] = 1;
-    s->sample[2] = 2;
     next_sample(s);
     memset(inliers, 0, n);
     s->area_px2 = rc_agree_area(&points->view);

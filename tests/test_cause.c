@@ -266,6 +266,8 @@ static void test_all_views_of_a_camera_are_turned(void)
 
         TEST_ASSERT_EQUAL_INT32(RIGCAL_CAUSE_TURNED, cause.cause);
         TEST_ASSERT_EQUAL_INT32(TURNED, cause.permutation);
+        TEST_ASSERT_EQUAL_INT32(0, cause.shift);
+        TEST_ASSERT_EQUAL_INT32(-1, cause.camera);
         TEST_ASSERT_TRUE(cause.n_agree >= 7);
         TEST_ASSERT_EQUAL_INT32(8, cause.n_views);
     }
@@ -303,6 +305,29 @@ static void test_a_camera_is_turned_about_a_far_origin(void)
     TEST_ASSERT_EQUAL_INT32(RIGCAL_CAUSE_TURNED, cause.cause);
     TEST_ASSERT_EQUAL_INT32(TURNED, cause.permutation);
     TEST_ASSERT_TRUE(cause.n_agree >= 7);
+}
+
+/* All other cameras see only a part of the board, so the turn of the target can be found
+ * only in this camera's own views. */
+static void test_a_turn_is_found_from_the_views_of_the_camera_itself(void)
+{
+    WANTS_BOARDS;
+    make(3760, 3, 8);
+    for (int f = 0; f < 8; f++) {
+        test_boards_reverse(&b, test_boards_view(&b, 2, f));
+    }
+    for (size_t v = 0; v < b.rig.n_views; v++) {
+        if (b.views[v].camera != 2) {
+            b.views[v].view.n = BOARD_POINTS - 1;
+        }
+    }
+    judge();
+    const rigcal_cause cause = camera_cause(2);
+    TEST_ASSERT_EQUAL_INT32(RIGCAL_CAUSE_TURNED, cause.cause);
+    TEST_ASSERT_EQUAL_INT32(TURNED, cause.permutation);
+    for (int other = 0; other < 2; other++) {
+        TEST_ASSERT_EQUAL_INT32(RIGCAL_CAUSE_UNKNOWN, camera_cause(other).cause);
+    }
 }
 
 /* Random views: no two agree, turned or not. */
@@ -573,6 +598,15 @@ static void test_permutations_are_checked(void)
     ASSERT_STATUS(RIGCAL_OK, CAUSE);
     symmetries.n_points = 2;
     ASSERT_REFUSED(RIGCAL_ERR_TOO_FEW, cause, CAUSE);
+    symmetries.n_points = 3; /* the fewest of a target: the points take turns */
+    symmetries.n_permutations = 1;
+    for (int32_t i = 0; i < 3; i++) {
+        permutations[i] = (i + 1) % 3;
+    }
+    ASSERT_STATUS(RIGCAL_OK, CAUSE);
+    TEST_ASSERT_EQUAL_INT32(RIGCAL_CAUSE_UNKNOWN, cause.cause);
+    symmetries.n_permutations = PERMUTATIONS;
+    fill_permutations();
     symmetries.n_points = BOARD_POINTS / 2; /* no view has this number of points */
     permutations[5] = 0;
     symmetries.n_permutations = 1;
@@ -608,6 +642,10 @@ static void test_counts_of_symmetries_are_checked(void)
     symmetries.n_points = BOARD_POINTS;
     symmetries.n_permutations = SIZE_MAX;
     ASSERT_REFUSED(RIGCAL_ERR_RANGE, cause, CAUSE);
+    symmetries.n_points = 2; /* a count that can be is no reason to refuse */
+    symmetries.n_permutations = (size_t)1 << 28;
+    ASSERT_REFUSED(RIGCAL_ERR_TOO_FEW, cause, CAUSE);
+    symmetries.n_points = BOARD_POINTS;
     symmetries.n_permutations = 0;
     ASSERT_STATUS(RIGCAL_OK, CAUSE);
     TEST_ASSERT_NOT_EQUAL_INT32(RIGCAL_CAUSE_TURNED, cause.cause);
@@ -665,6 +703,7 @@ TEST_MAIN()
     RUN_TEST(test_a_camera_is_early);
     RUN_TEST(test_all_views_of_a_camera_are_turned);
     RUN_TEST(test_a_camera_is_turned_about_a_far_origin);
+    RUN_TEST(test_a_turn_is_found_from_the_views_of_the_camera_itself);
     RUN_TEST(test_of_a_camera_with_other_views_the_cause_is_unknown);
     RUN_TEST(test_of_two_causes_the_nearer_is_told);
     RUN_TEST(test_of_a_target_that_goes_to_and_fro_the_shift_of_a_camera_is_open);

@@ -204,6 +204,53 @@ static void test_advice_takes_the_best_connected_camera(void)
                    rigcal_rig_advise(advice, 3, &n, links, &r.rig));
 }
 
+/* The only two cameras of a group share the same with it. */
+static void test_of_two_that_share_as_much_the_advice_takes_the_first(void)
+{
+    test_rng rng = test_seed(508);
+    rigcal_advice advice[2];
+    size_t n;
+
+    WANTS_RIG;
+    for (int alone = 0; alone < 3; alone++) {
+        const int a = (alone == 0) ? 1 : 0, b = (alone == 2) ? 1 : 2;
+
+        test_rig_random(&r, &rng, 3, 2, 6);
+        test_rig_see(&r, &rng, b, 0, 0);
+        test_rig_see(&r, &rng, a, 0, 0);
+        test_rig_see(&r, &rng, alone, 1, 0);
+        give_poses(NULL);
+        ASSERT_STATUS(RIGCAL_DISCONNECTED, link_all());
+        ASSERT_STATUS(RIGCAL_OK, rigcal_rig_advise(advice, 2, &n, links, &r.rig));
+        TEST_ASSERT_EQUAL(1, n);
+        TEST_ASSERT_EQUAL_INT32(a, advice[0].a);
+        TEST_ASSERT_EQUAL_INT32(alone, advice[0].b);
+    }
+}
+
+/* Nobody saw a target together: each camera is a group, and the first is as good a partner
+ * for the rest as any. */
+static void test_where_nothing_is_shared_the_advice_joins_all_to_the_first(void)
+{
+    test_rng rng = test_seed(509);
+    rigcal_advice advice[3];
+    size_t n;
+
+    WANTS_RIG;
+    test_rig_random(&r, &rng, 4, 4, 6);
+    for (int c = 0; c < 4; c++) {
+        test_rig_see(&r, &rng, c, c, 0);
+    }
+    give_poses(NULL);
+    ASSERT_STATUS(RIGCAL_DISCONNECTED, link_all());
+    ASSERT_STATUS(RIGCAL_OK, rigcal_rig_advise(advice, 3, &n, links, &r.rig));
+    TEST_ASSERT_EQUAL(3, n);
+    for (int c = 1; c < 4; c++) {
+        TEST_ASSERT_EQUAL_INT32(0, advice[c - 1].a);
+        TEST_ASSERT_EQUAL_INT32(c, advice[c - 1].b);
+    }
+}
+
 /* Camera 2 saw only one placement of six. */
 static void test_the_weakest_link(void)
 {
@@ -317,6 +364,8 @@ TEST_MAIN()
     RUN_TEST(test_links_by_hand);
     RUN_TEST(test_advice_connects_every_rig);
     RUN_TEST(test_advice_takes_the_best_connected_camera);
+    RUN_TEST(test_of_two_that_share_as_much_the_advice_takes_the_first);
+    RUN_TEST(test_where_nothing_is_shared_the_advice_joins_all_to_the_first);
     RUN_TEST(test_the_weakest_link);
     RUN_TEST(test_of_two_that_are_as_sure_the_first_is_told);
     RUN_TEST(test_no_two_cameras_no_weakest_link);

@@ -273,6 +273,121 @@ static void test_an_arc_that_folds_between_nodes_keeps_its_rows(void)
     }
 }
 
+/* A valley of the curve, u = 20 t and v = 10 + 40 (t - bottom)^2, closed by a border. Its
+ * bottom may be anywhere between two nodes. */
+static void test_rows_near_the_turn_of_a_curve_are_its_chords(void)
+{
+    for (int k = 1; k < 80; k++) {
+        const double bottom = k / 20.0, least = 10, steep = 40;
+        rigcal_real u[RIGCAL_SPANS_NODES], v[RIGCAL_SPANS_NODES];
+
+        for (int i = 0; i <= LAST; i++) {
+            u[i] = RC(20 * i);
+            v[i] = RC(least + steep * (i - bottom) * (i - bottom));
+        }
+        rc_outline_begin(&outline, 900);
+        rc_outline_add(&outline, u, v);
+        add_edge(80, D(v[LAST]), D(v[0]));
+        rc_outline_close(&outline);
+        for (int32_t row = 11; row < 50; row++) {
+            const double half = 20 * sqrt((row - least) / steep), left = 20 * bottom - half;
+
+            if (left > 0 && left + 2 * half < 80) {
+                assert_row(row, left, left + 2 * half, 100);
+            }
+        }
+    }
+}
+
+/* v = 3 t^2 + t / 2 rises all the way. */
+static double rise(double t)
+{
+    return t * (3 * t + 0.5);
+}
+
+/* How far t^power is, at this t, from the polynomial in v that is the same at the nodes. */
+static double off_direct(int power, double t)
+{
+    double off = pow(t, power);
+
+    for (int i = 0; i <= LAST; i++) {
+        double part = pow(i, power);
+
+        for (int j = 0; j <= LAST; j++) {
+            part *= (j == i) ? 1 : (rise(t) - rise(j)) / (rise(i) - rise(j));
+        }
+        off -= part;
+    }
+    return off;
+}
+
+/* u = 40 (t + k t^3) is near a polynomial in v at one end of the arc only: k makes it one
+ * exactly, half-way between the first two nodes or the last two. */
+static void test_an_arc_with_one_end_like_a_polynomial_keeps_its_rows(void)
+{
+    for (int end = 0; end < 2; end++) {
+        const double fits = end ? 3.5 : 0.5, k = -off_direct(1, fits) / off_direct(3, fits);
+        rigcal_real u[RIGCAL_SPANS_NODES], v[RIGCAL_SPANS_NODES];
+
+        TEST_ASSERT_TRUE(40 * fabs(off_direct(1, 4 - fits) + k * off_direct(3, 4 - fits)) >
+                         2);
+        for (int i = 0; i <= LAST; i++) {
+            u[i] = RC(40 * (i + k * i * i * i));
+            v[i] = RC(rise(i));
+        }
+        rc_outline_begin(&outline, 60);
+        rc_outline_add(&outline, u, v);
+        add_edge(D(u[LAST]), D(v[LAST]), 0);
+        rc_outline_close(&outline);
+        for (int32_t row = 1; row < 50; row++) {
+            const double t = (sqrt(0.25 + 12 * row) - 0.5) / 6;
+
+            assert_row(row, 40 * (t + k * t * t * t), D(u[LAST]), 10000);
+        }
+    }
+}
+
+/* A border above another one, which begins in the row in which the first one ends. Rows in
+ * order, and rows at random. */
+static void test_an_arc_ends_before_the_row_of_its_end(void)
+{
+    test_rng rng = test_seed(4710);
+
+    rc_outline_begin(&outline, 60);
+    add_edge(30, 10, 20);
+    add_edge(40, 20, 10);
+    add_edge(60, 20, 30);
+    add_edge(70, 30, 20);
+    rc_outline_close(&outline);
+    for (int trial = 0; trial < 200; trial++) {
+        const int32_t row = trial < 40 ? trial : (int32_t)(test_next(&rng) % 40);
+        rigcal_span spans[RIGCAL_SPANS_ROW];
+        const size_t n = rc_outline_row(spans, &outline, row, 100);
+
+        TEST_ASSERT_EQUAL_UINT64(row >= 10 && row < 30, n);
+        if (n > 0) {
+            TEST_ASSERT_EQUAL_INT32(row < 20 ? 30 : 60, spans[0].first);
+            TEST_ASSERT_EQUAL_INT32(row < 20 ? 40 : 70, spans[0].last);
+        }
+    }
+}
+
+/* The lowest and the highest row, whichever arc comes first. */
+static void test_the_rows_of_an_outline_are_those_of_all_its_arcs(void)
+{
+    for (int lowest = 0; lowest < 3; lowest++) {
+        int32_t last;
+
+        rc_outline_begin(&outline, 60);
+        for (int i = 0; i < 3; i++) {
+            add_edge(30, i == lowest ? 3.5 : 10, i == (lowest + 1) % 3 ? 51 : 20);
+        }
+        rc_outline_close(&outline);
+        TEST_ASSERT_EQUAL_INT32(4, rc_outline_rows(&last, &outline));
+        TEST_ASSERT_EQUAL_INT32(50, last);
+    }
+}
+
 static void test_a_curve_above_the_image_has_no_rows(void)
 {
     rigcal_real u[RIGCAL_SPANS_NODES], v[RIGCAL_SPANS_NODES];
@@ -303,4 +418,8 @@ TEST_MAIN()
     RUN_TEST(test_a_stretch_ends_where_the_room_does);
     RUN_TEST(test_a_flat_start_of_an_arc_is_crossed);
     RUN_TEST(test_an_arc_that_folds_between_nodes_keeps_its_rows);
+    RUN_TEST(test_rows_near_the_turn_of_a_curve_are_its_chords);
+    RUN_TEST(test_an_arc_with_one_end_like_a_polynomial_keeps_its_rows);
+    RUN_TEST(test_an_arc_ends_before_the_row_of_its_end);
+    RUN_TEST(test_the_rows_of_an_outline_are_those_of_all_its_arcs);
 }

@@ -90,6 +90,7 @@ static void test_a_pixel_that_the_lens_does_not_reach_is_told(void)
         TEST_ASSERT_EQUAL(unseen, s.point);
         rc_seeds_begin(&s, MIDDLE); /* then it is the camera's own axis */
         ASSERT_NEAR(1, s.axis[2], 0);
+        ASSERT_NEAR(0, s.axis[1], 0);
         ASSERT_NEAR(0, s.axis[0], 0);
     }
 }
@@ -261,12 +262,13 @@ static void test_a_start_of_an_exact_view_is_near_its_pose(void)
 static void test_no_start_leads_to_what_has_been_found(void)
 {
     static const test_shape SHAPE[2] = {TEST_GENERAL, TEST_PLANAR};
+    static const int POINTS[3] = {4, 8, 12};
     test_rng rng = test_seed(98);
-    for (int trial = 0; trial < TEST_TRIALS(2000); trial++) {
+    for (int trial = 0; trial < TEST_TRIALS(3000); trial++) {
         test_problem p;
         rigcal_search s;
         int n_starts = 0;
-        test_random_problem(&p, &rng, trial / 2 % 2 ? 8 : 4, SHAPE[trial % 2]);
+        test_random_problem(&p, &rng, POINTS[trial / 2 % 3], SHAPE[trial % 2]);
         test_add_noise(&p, &rng, trial % 7);
         begin(&s, &p);
         TEST_ASSERT_EQUAL_INT32(RC_SEEDS_START, next_start(&s));
@@ -364,6 +366,44 @@ static void test_a_flat_target_seen_head_on_has_starts_that_lean(void)
         TEST_ASSERT_EQUAL_INT32(RC_SEEDS_START, next_start(&s));
         lean = acos(D(start_of(&s)->R[8]));
         TEST_ASSERT_TRUE(lean > least - 0.01 && lean < (trial % 2 ? least + 0.01 : 1));
+    }
+}
+
+/* A hexagon nearly head-on. A view of so few points starts from the poses of three of them.
+ * After those comes a start that leans the other way by a tangent of 0.3, though the cost
+ * falls from there to the pose found. */
+static void test_few_points_of_a_flat_target_have_a_start_that_leans(void)
+{
+    const double t[3] = {0, 0, 5}, lean = 0.01, least = atan(0.3);
+    test_rng rng = test_seed(110);
+    for (int trial = 0; trial < 50; trial++) {
+        double nearest = 10;
+        test_problem p;
+        rigcal_search s;
+        test_random_problem(&p, &rng, 6, TEST_GENERAL);
+        test_rotation(p.scene.R, test_uniform(&rng, -3, 3), lean, 0);
+        for (int i = 0; i < 6; i++) {
+            const double way = TEST_PI / 3 * i;
+            const double X[3] = {0.5 * cos(way), 0.5 * sin(way), 0};
+            double X_c[3], uv[2];
+            test_apply(X_c, p.scene.R, X, t);
+            test_project_px(uv, &p.camera, X_c);
+            test_to_real(p.o[i].X_w, X, 3);
+            test_to_real(p.o[i].uv, uv, 2);
+        }
+        begin(&s, &p);
+        TEST_ASSERT_EQUAL_INT32(RC_SEEDS_START, next_start(&s));
+        keep(&s, p.scene.R, t, 0);
+        while (next_start(&s) == RC_SEEDS_START) {
+            const rigcal_real *const R = start_of(&s)->R; /* its last column: the normal */
+            double off = fabs(D(R[8]) - cos(least));
+            for (int k = 0; k < 2; k++) {
+                const double other_way = -p.scene.R[3 * k + 2] / sin(lean) * sin(least);
+                off = fmax(off, fabs(D(R[3 * k + 2]) - other_way));
+            }
+            nearest = fmin(nearest, off);
+        }
+        TEST_ASSERT_TRUE(nearest < 0.01);
     }
 }
 
@@ -472,6 +512,31 @@ static void test_a_pixel_of_rays_all_around_that_has_none_is_told_before_a_start
     }
 }
 
+/* A triple is spread over the points' order, which goes round: between two of its points
+ * lie at least a quarter of all, or nearly so. */
+static void test_a_triple_is_spread_over_the_order_of_the_points(void)
+{
+    test_rng rng = test_seed(109);
+    for (int n = 8; n <= 32 && n <= TEST_SCENE_MAX; n += 4) {
+        test_problem p;
+        rigcal_search s;
+        int32_t triples = 0;
+        surrounded(&p, n, &rng);
+        begin(&s, &p);
+        while (rc_seeds_step(&s) != RC_SEEDS_TRIPLE_SPENT) {
+            if (s.triples > triples) {
+                const int32_t *const i = s.work.triple.index;
+                for (int k = 0; k < 3; k++) {
+                    TEST_ASSERT_GREATER_OR_EQUAL_INT(n / 4,
+                                                     (i[(k + 1) % 3] - i[k] + n) % n);
+                }
+                triples = s.triples;
+            }
+        }
+        TEST_ASSERT_EQUAL_INT32(6, triples);
+    }
+}
+
 /* Each triple has three different points. Together they have all of 8 points; with more
  * points at least as many. */
 static void test_triples_are_of_different_points_and_six_at_most(void)
@@ -526,6 +591,18 @@ static void test_after_a_pose_two_triples_are_enough(void)
 
 /* ---- mirrored points ------------------------------------------------------------- */
 
+/* Gives all points of the scene their pixels. */
+static void see(test_problem *p)
+{
+    for (int i = 0; i < p->scene.n; i++) {
+        double X_c[3], uv[2];
+        test_apply(X_c, p->scene.R, p->scene.X[i], p->scene.t);
+        test_project_px(uv, &p->camera, X_c);
+        test_to_real(p->o[i].X_w, p->scene.X[i], 3);
+        test_to_real(p->o[i].uv, uv, 2);
+    }
+}
+
 /* A target at this distance in front of the camera. */
 static void far_target(test_problem *p, test_shape shape, double distance, test_rng *rng)
 {
@@ -541,12 +618,39 @@ static void far_target(test_problem *p, test_shape shape, double distance, test_
         at = (k == 2) ? distance : 0;
         p->scene.t[k] = at;
     }
-    for (int i = 0; i < 10; i++) {
-        double X_c[3], uv[2];
-        test_apply(X_c, p->scene.R, p->scene.X[i], p->scene.t);
-        test_project_px(uv, &p->camera, X_c);
-        test_to_real(p->o[i].X_w, p->scene.X[i], 3);
-        test_to_real(p->o[i].uv, uv, 2);
+    see(p);
+}
+
+/* The target is seen from a direction of the lattice, and what was found is 0.03 rad beside
+ * it. The cost falls from there to the direction of the lattice, so its descent ends there.
+ * But that is too near to what was found. */
+static void test_no_start_is_beside_what_was_found(void)
+{
+    static const double X_AXIS[3] = {1, 0, 0};
+    test_rng rng = test_seed(111);
+    for (int i = 0; i < LATTICE; i++) {
+        double *R, beside[9], by[9], length;
+        test_problem p;
+        rigcal_search s;
+        far_target(&p, TEST_GENERAL, 20, &rng);
+        R = p.scene.R;
+        lattice_direction(R + 6, i);
+        length = hypot(R[6], R[7]);
+        R[0] = -R[7] / length;
+        R[1] = R[6] / length;
+        R[2] = 0;
+        test_cross(R + 3, R + 6, R);
+        see(&p);
+        test_rotation_about(by, X_AXIS, 0.03);
+        test_product(beside, by, R);
+        begin(&s, &p);
+        TEST_ASSERT_EQUAL_INT32(RC_SEEDS_START, next_start(&s));
+        TEST_ASSERT_TRUE(angle_to(R, start_of(&s)) < 0.05);
+        keep(&s, beside, p.scene.t, 1);
+        s.next = 0; /* all seeds once more */
+        while (next_start(&s) == RC_SEEDS_START) {
+            TEST_ASSERT_TRUE(angle_to(beside, start_of(&s)) > 0.05);
+        }
     }
 }
 
@@ -672,11 +776,14 @@ TEST_MAIN()
     RUN_TEST(test_a_seed_on_the_way_to_the_pose_found_takes_no_descent);
     RUN_TEST(test_a_flat_target_has_a_start_near_its_second_minimum);
     RUN_TEST(test_a_flat_target_seen_head_on_has_starts_that_lean);
+    RUN_TEST(test_few_points_of_a_flat_target_have_a_start_that_leans);
     RUN_TEST(test_all_poses_of_three_points_are_starts);
     RUN_TEST(test_rays_all_around_start_from_triples_among_which_is_the_pose);
     RUN_TEST(test_a_pixel_of_rays_all_around_that_has_none_is_told_before_a_start);
+    RUN_TEST(test_a_triple_is_spread_over_the_order_of_the_points);
     RUN_TEST(test_triples_are_of_different_points_and_six_at_most);
     RUN_TEST(test_after_a_pose_two_triples_are_enough);
+    RUN_TEST(test_no_start_is_beside_what_was_found);
     RUN_TEST(test_of_mirrored_points_the_start_is_near_the_pose);
     RUN_TEST(test_neither_a_plane_nor_right_points_near_by_are_tried_mirrored);
     RUN_TEST(test_an_image_that_does_not_go_with_the_target_has_no_start);

@@ -307,26 +307,34 @@ static void test_a_camera_is_turned_about_a_far_origin(void)
     TEST_ASSERT_TRUE(cause.n_agree >= 7);
 }
 
-/* All other cameras see only a part of the board, so the turn of the target can be found
- * only in this camera's own views. */
-static void test_a_turn_is_found_from_the_views_of_the_camera_itself(void)
+/* Only one view of the camera shows the whole board. All other views, of other cameras too,
+ * have fewer points than the symmetry. So the turn of the target can be found in that view
+ * alone. */
+static void test_a_turn_is_found_from_the_view_that_shows_the_whole_target(void)
 {
+    static const int CAMERA[4] = {0, 2, 1, 2}, PLACE[4] = {0, 0, 2, 3};
+
     WANTS_BOARDS;
-    make(3760, 3, 8);
-    for (int f = 0; f < 8; f++) {
-        test_boards_reverse(&b, test_boards_view(&b, 2, f));
-    }
-    for (size_t v = 0; v < b.rig.n_views; v++) {
-        if (b.views[v].camera != 2) {
-            b.views[v].view.n = BOARD_POINTS - 1;
+    for (int trial = 0; trial < 4; trial++) {
+        const int c = CAMERA[trial];
+
+        make(3760 + (uint64_t)trial, 3, 4);
+        for (int f = 0; f < 4; f++) {
+            test_boards_reverse(&b, test_boards_view(&b, c, f));
         }
-    }
-    judge();
-    const rigcal_cause cause = camera_cause(2);
-    TEST_ASSERT_EQUAL_INT32(RIGCAL_CAUSE_TURNED, cause.cause);
-    TEST_ASSERT_EQUAL_INT32(TURNED, cause.permutation);
-    for (int other = 0; other < 2; other++) {
-        TEST_ASSERT_EQUAL_INT32(RIGCAL_CAUSE_UNKNOWN, camera_cause(other).cause);
+        for (size_t v = 0; v < b.rig.n_views; v++) {
+            if (b.views[v].camera != c || b.views[v].placement != PLACE[trial]) {
+                b.views[v].view.n = BOARD_POINTS - 1;
+            }
+        }
+        judge();
+        for (int camera = 0; camera < 3; camera++) {
+            const rigcal_cause cause = camera_cause(camera);
+
+            TEST_ASSERT_EQUAL_INT32(
+                camera == c ? RIGCAL_CAUSE_TURNED : RIGCAL_CAUSE_UNKNOWN, cause.cause);
+            TEST_ASSERT_EQUAL_INT32(camera == c ? TURNED : -1, cause.permutation);
+        }
     }
 }
 
@@ -349,6 +357,51 @@ static void test_of_a_camera_with_other_views_the_cause_is_unknown(void)
         const rigcal_cause cause = camera_cause(2);
         TEST_ASSERT_EQUAL_INT32(RIGCAL_CAUSE_UNKNOWN, cause.cause);
         TEST_ASSERT_TRUE(cause.n_agree <= 2);
+    }
+}
+
+/* The views of camera 0 say that it is farther to the right by these multiples of a step.
+ * All else is exact. */
+static rigcal_cause cause_of_shifts(const double multiple[3], double step)
+{
+    for (size_t v = 0; v < b.rig.n_views; v++) {
+        const int32_t c = b.views[v].camera, f = b.views[v].placement;
+
+        b.own[v].cam_from_target = test_times(&b.true_cams[c], &b.true_places[f]);
+        b.own[v].cam_from_target.t[0] += RC(c == 0 ? multiple[f] * step : 0);
+    }
+    return camera_cause(0);
+}
+
+/* Two views agree up to some step. Of three in a row the one in the middle agrees with both
+ * at 0.7 of it, but the outer ones not with each other. So three agree, whichever view is
+ * the one in the middle. */
+static void test_the_view_with_which_most_agree_may_be_any(void)
+{
+    static const double ONE[3] = {0, 0, 1};
+    double step = 1e-5;
+
+    WANTS_BOARDS;
+    make(4100, 3, 3);
+    ASSERT_STATUS(RIGCAL_OK, judged());
+    for (int i = 0; i < 36 * 3; i++) { /* the same for all views of a camera */
+        b.own[i / 36 * 3].information[i % 21] = b.own[0].information[i % 21];
+    }
+    memcpy(b.cams, b.true_cams, sizeof b.cams);
+    memcpy(b.places, b.true_places, sizeof b.places);
+    while (cause_of_shifts(ONE, step).n_agree == 3) {
+        step *= 1.05;
+    }
+    TEST_ASSERT_EQUAL_INT32(2, cause_of_shifts(ONE, step).n_agree);
+    for (int middle = 0; middle < 3; middle++) {
+        double multiple[3] = {-0.7, -0.7, 0.7};
+
+        multiple[middle] = 0;
+        multiple[(middle + 2) % 3] = 0.7;
+        multiple[(middle + 1) % 3] = -0.7;
+        const rigcal_cause cause = cause_of_shifts(multiple, step);
+        TEST_ASSERT_EQUAL_INT32(3, cause.n_agree);
+        TEST_ASSERT_EQUAL_INT32(3, cause.n_views);
     }
 }
 
@@ -546,6 +599,69 @@ static void test_poses_may_come_from_a_source(void)
     TEST_ASSERT_EQUAL_MEMORY(&expected, &cause, sizeof cause);
 }
 
+/* Sources that fail once, in the call of number `fails`. */
+static struct {
+    long calls, fails;
+} asked;
+
+static rigcal_status fail_in_turn(void)
+{
+    asked.calls++;
+    return (asked.calls == asked.fails) ? RIGCAL_ERR_WIDE_RAY : RIGCAL_OK;
+}
+
+static rigcal_status failing_pose(rigcal_view_pose *pose, size_t index, void *context)
+{
+    (void)context;
+    *pose = b.own[index];
+    return fail_in_turn();
+}
+
+static rigcal_status failing_view(rigcal_rig_view *view, size_t index, void *context)
+{
+    (void)context;
+    *view = b.views[index];
+    return fail_in_turn();
+}
+
+/* Whatever is read when a source fails, the status is that of the source, and there is no
+ * result. Without a failure the cause is the same as from arrays. */
+static void test_the_failure_of_a_source_is_told(void)
+{
+    WANTS_BOARDS;
+    make(4110, 3, 3);
+    test_boards_swap(&b, 4, 5);
+    judge();
+    for (int way = 0; way < 4; way++) {
+        const int is_camera = way / 2, has_views = way % 2;
+        const rigcal_cause expected = is_camera ? camera_cause(1) : cause_of(4);
+        rigcal_cause cause;
+        long calls;
+
+        b.rig.views = has_views ? NULL : b.views;
+        b.rig.view_source = has_views ? failing_view : NULL;
+        b.rig.view_poses = has_views ? b.own : NULL;
+        b.rig.view_pose_source = has_views ? NULL : failing_pose;
+        asked.fails = asked.calls = 0;
+        cause = is_camera ? camera_cause(1) : cause_of(4);
+        TEST_ASSERT_EQUAL_MEMORY(&expected, &cause, sizeof cause);
+        calls = asked.calls;
+        TEST_ASSERT_GREATER_THAN_INT(0, calls);
+        for (long k = 1; k <= calls; k += 1 + (k > 60 ? k / 8 : 0)) {
+            asked.fails = k;
+            asked.calls = 0;
+            ASSERT_REFUSED(
+                RIGCAL_ERR_WIDE_RAY, cause,
+                is_camera
+                    ? rigcal_camera_cause(&cause, &b.rig, &b.judgement, &symmetries, 1)
+                    : rigcal_rig_cause(&cause, &b.rig, &b.judgement, &symmetries, 4));
+            TEST_ASSERT_EQUAL_INT(k, asked.calls); /* nothing is read after it */
+        }
+        b.rig.views = b.views;
+        b.rig.view_poses = b.own;
+    }
+}
+
 /* ---- steps and arguments --------------------------------------------------- */
 
 static void test_the_same_bits_whatever_the_budgets(void)
@@ -703,8 +819,9 @@ TEST_MAIN()
     RUN_TEST(test_a_camera_is_early);
     RUN_TEST(test_all_views_of_a_camera_are_turned);
     RUN_TEST(test_a_camera_is_turned_about_a_far_origin);
-    RUN_TEST(test_a_turn_is_found_from_the_views_of_the_camera_itself);
+    RUN_TEST(test_a_turn_is_found_from_the_view_that_shows_the_whole_target);
     RUN_TEST(test_of_a_camera_with_other_views_the_cause_is_unknown);
+    RUN_TEST(test_the_view_with_which_most_agree_may_be_any);
     RUN_TEST(test_of_two_causes_the_nearer_is_told);
     RUN_TEST(test_of_a_target_that_goes_to_and_fro_the_shift_of_a_camera_is_open);
     RUN_TEST(test_of_a_target_that_stands_still_no_camera_is_late);
@@ -713,6 +830,7 @@ TEST_MAIN()
     RUN_TEST(test_a_view_that_cannot_be_solved_has_no_cause);
     RUN_TEST(test_against_a_view_that_knows_no_turn_there_is_no_cause);
     RUN_TEST(test_poses_may_come_from_a_source);
+    RUN_TEST(test_the_failure_of_a_source_is_told);
     RUN_TEST(test_the_same_bits_whatever_the_budgets);
     RUN_TEST(test_permutations_are_checked);
     RUN_TEST(test_counts_of_symmetries_are_checked);

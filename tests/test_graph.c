@@ -321,6 +321,113 @@ static void test_no_two_cameras_no_weakest_link(void)
     test_rig_see(&r, &rng, 1, 1, 0.3);
     ASSERT_STATUS(RIGCAL_DISCONNECTED, rigcal_rig_adjust(&fit, NULL, &r.rig));
     ASSERT_STATUS(RIGCAL_ERR_TOO_FEW, rigcal_rig_weakest(&weakest, &r.rig, 1));
+    test_rig_random(&r, &rng, 1, 2, 8);
+    test_rig_see_all(&r, &rng, 0.3);
+    ASSERT_STATUS(RIGCAL_OK, rigcal_rig_adjust(&fit, NULL, &r.rig));
+    ASSERT_REFUSED(RIGCAL_ERR_TOO_FEW, weakest, rigcal_rig_weakest(&weakest, &r.rig, 1));
+}
+
+static rigcal_status pose_at(rigcal_view_pose *pose, size_t index, void *context)
+{
+    *pose = r.own[index];
+    return (index == *(const size_t *)context) ? RIGCAL_ERR_NO_RAY : RIGCAL_OK;
+}
+
+/* The poses come from a source, and from an array. If the source fails, its status is told,
+ * and the view. */
+static void test_links_of_a_source_are_those_of_an_array(void)
+{
+    rigcal_link expected[RIGCAL_LINKS(3)];
+    size_t fails = 99;
+    int32_t at_fault;
+    test_rng rng = test_seed(510);
+
+    WANTS_RIG;
+    test_rig_random(&r, &rng, 3, 2, 6);
+    test_rig_see_all(&r, &rng, 0);
+    give_poses(NULL);
+    ASSERT_STATUS(RIGCAL_OK, link_all());
+    memcpy(expected, links, sizeof expected);
+    memset(links, 0, sizeof links);
+    r.rig.view_poses = NULL;
+    r.rig.view_pose_source = pose_at;
+    r.rig.context = &fails;
+    ASSERT_STATUS(RIGCAL_OK, link_all());
+    TEST_ASSERT_EQUAL_MEMORY(expected, links, sizeof expected);
+    for (fails = 0; fails < 6; fails++) {
+        ASSERT_STATUS(RIGCAL_ERR_NO_RAY,
+                      rigcal_rig_links(links, 3, &n_groups, &at_fault, &r.rig));
+        TEST_ASSERT_EQUAL_INT32((int32_t)fails, at_fault);
+    }
+}
+
+/* What rigcal_rig_work counts is enough, and one number less is not. Nothing is written
+ * beyond the memory. */
+static void test_links_take_no_more_memory_than_a_join(void)
+{
+    test_rng rng = test_seed(511);
+
+    WANTS_RIG;
+    for (size_t n = 1; n <= 4; n++) {
+        const size_t wanted = rigcal_rig_work(n - 1, n, 3),
+                     least = rigcal_rig_work(0, n, 3);
+        const size_t capacity[5] = {wanted, wanted - 1, least, least - 1, 0};
+
+        test_rig_random(&r, &rng, (int)n, 3, 6);
+        test_rig_see_all(&r, &rng, 0);
+        give_poses(NULL);
+        for (int k = 0; k < 5; k++) {
+            const int is_enough = capacity[k] >= wanted;
+
+            for (size_t i = 0; i < RIG_WORK; i++) {
+                r.work[i] = RC(-17);
+            }
+            r.rig.work_capacity = capacity[k];
+            ASSERT_STATUS(is_enough ? RIGCAL_OK : RIGCAL_ERR_CAPACITY, link_all());
+            for (size_t i = capacity[k]; i < RIG_WORK; i++) {
+                ASSERT_NEAR(-17, r.work[i], 0);
+            }
+        }
+    }
+}
+
+/* Links use the memory in which an adjustment left its covariance. */
+static void test_after_links_a_rig_is_not_adjusted(void)
+{
+    test_rng rng = test_seed(512);
+    rigcal_weakest weakest;
+    rigcal_rig_fit fit;
+
+    WANTS_RIG;
+    test_rig_random(&r, &rng, 3, 3, 8);
+    test_rig_see_all(&r, &rng, 0.3);
+    give_poses(NULL);
+    ASSERT_STATUS(RIGCAL_OK, rigcal_rig_adjust(&fit, NULL, &r.rig));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_rig_weakest(&weakest, &r.rig, 1));
+    ASSERT_STATUS(RIGCAL_OK, link_all());
+    ASSERT_REFUSED(RIGCAL_ERR_STATE, weakest,
+                   rigcal_rig_weakest(&weakest, &r.rig, RC(0.3)));
+}
+
+/* A view that is left out shares nothing, whatever its pose is. */
+static void test_what_is_left_out_shares_nothing(void)
+{
+    static const uint8_t LEFT_OUT[6] = {0, 1, 0, 0, 0, 1};
+    test_rng rng = test_seed(513);
+
+    WANTS_RIG;
+    test_rig_random(&r, &rng, 3, 2, 6);
+    test_rig_see_all(&r, &rng, 0);
+    give_poses(NULL);
+    memset(r.own[1].information, 0, sizeof r.own[1].information);
+    r.own[5].information[0] = TEST_NAN;
+    r.rig.left_out = LEFT_OUT;
+    ASSERT_STATUS(RIGCAL_OK, link_all());
+    TEST_ASSERT_EQUAL_INT32(1, links[RIGCAL_LINK(0, 1)].n_shared);
+    TEST_ASSERT_EQUAL_INT32(1, links[RIGCAL_LINK(0, 2)].n_shared);
+    TEST_ASSERT_EQUAL_INT32(0, links[RIGCAL_LINK(1, 2)].n_shared);
+    ASSERT_NEAR(50 / 3.0, links[RIGCAL_LINK(0, 1)].information, TOL(1e-12, 1e-5));
+    ASSERT_NEAR(50 / 3.0, links[RIGCAL_LINK(0, 2)].information, TOL(1e-12, 1e-5));
 }
 
 static void test_what_is_refused(void)
@@ -369,5 +476,9 @@ TEST_MAIN()
     RUN_TEST(test_the_weakest_link);
     RUN_TEST(test_of_two_that_are_as_sure_the_first_is_told);
     RUN_TEST(test_no_two_cameras_no_weakest_link);
+    RUN_TEST(test_links_of_a_source_are_those_of_an_array);
+    RUN_TEST(test_links_take_no_more_memory_than_a_join);
+    RUN_TEST(test_after_links_a_rig_is_not_adjusted);
+    RUN_TEST(test_what_is_left_out_shares_nothing);
     RUN_TEST(test_what_is_refused);
 }

@@ -347,6 +347,38 @@ static void test_an_arc_with_one_end_like_a_polynomial_keeps_its_rows(void)
     }
 }
 
+/* Curves that end exactly in a row, 50, where a border goes on. Whatever rounding does, each
+ * row has one span: none ends twice or not at all. */
+static void test_a_corner_exactly_in_a_row_leaves_no_gap(void)
+{
+    test_rng rng = test_seed(4711);
+
+    for (int trial = 0; trial < 200; trial++) {
+        const double power = test_uniform(&rng, 1.2, 2.8),
+                     far = test_uniform(&rng, 50, 4000);
+        const int is_up = trial % 2;
+        rigcal_real u[RIGCAL_SPANS_NODES], v[RIGCAL_SPANS_NODES];
+        rigcal_span spans[RIGCAL_SPANS_ROW];
+
+        for (int i = 0; i <= LAST; i++) {
+            const double part = (is_up ? LAST - i : i) / (double)LAST;
+
+            u[i] = RC(far * part);
+            v[i] = RC(50 * pow(part, power));
+        }
+        rc_outline_begin(&outline, 60);
+        add_edge(far, is_up ? 59 : 50, is_up ? 50 : 59);
+        rc_outline_add(&outline, u, v);
+        add_edge(5000, is_up ? 0 : 59, is_up ? 59 : 0);
+        rc_outline_close(&outline);
+        for (int32_t row = 0; row < 59; row++) {
+            TEST_ASSERT_EQUAL_UINT64(1, rc_outline_row(spans, &outline, row, 6000));
+            TEST_ASSERT_EQUAL_INT32(5000, spans[0].last);
+            TEST_ASSERT_TRUE(row < 50 || fabs(spans[0].first - far) < 1.1);
+        }
+    }
+}
+
 /* A border above another one, which begins in the row in which the first one ends. Rows in
  * order, and rows at random. */
 static void test_an_arc_ends_before_the_row_of_its_end(void)
@@ -420,6 +452,7 @@ TEST_MAIN()
     RUN_TEST(test_an_arc_that_folds_between_nodes_keeps_its_rows);
     RUN_TEST(test_rows_near_the_turn_of_a_curve_are_its_chords);
     RUN_TEST(test_an_arc_with_one_end_like_a_polynomial_keeps_its_rows);
+    RUN_TEST(test_a_corner_exactly_in_a_row_leaves_no_gap);
     RUN_TEST(test_an_arc_ends_before_the_row_of_its_end);
     RUN_TEST(test_the_rows_of_an_outline_are_those_of_all_its_arcs);
 }

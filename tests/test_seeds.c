@@ -176,45 +176,70 @@ static void test_the_lattice_covers_the_sphere(void)
     TEST_ASSERT_TRUE(farthest < 32 * TEST_PI / 180);
 }
 
-/* The library uses these directions, and keeps the three with the least cost, best
- * first. */
+/* Steps through the lattice. The library uses these directions, takes one step for each, and
+ * keeps the three with the least cost, best first. */
+static void assert_best_of_lattice(rigcal_search *s)
+{
+    const rigcal_lattice *const lattice = &s->from.lattice;
+    double cost[LATTICE], scale = 0;
+    int steps = 0;
+    do {
+        TEST_ASSERT_EQUAL_INT32(RC_SEEDS_BUSY, rc_seeds_step(s));
+        steps += s->n_seeds > 0;
+    } while (s->n_seeds == 0 || s->next > 0);
+    TEST_ASSERT_EQUAL_INT(LATTICE, steps);
+    TEST_ASSERT_EQUAL_INT32(RIGCAL_SEEDS_MAX, s->n_seeds);
+    for (int i = 0; i < LATTICE; i++) {
+        double m3[3];
+        rigcal_real m[3];
+        lattice_direction(m3, i);
+        test_to_real(m, m3, 3);
+        cost[i] = D(rc_direction_cost(&lattice->moments, m));
+        scale = fmax(scale, cost[i] < 1e30 ? cost[i] : 0);
+    }
+    for (int k = 0; k < RIGCAL_SEEDS_MAX; k++) {
+        int better = 0;
+        ASSERT_NEAR(cost[lattice->index[k]], lattice->cost[k], TOL(1e-12, 1e-4) * scale);
+        for (int i = 0; i < LATTICE; i++) {
+            better += cost[i] < D(lattice->cost[k]) - TOL(1e-12, 1e-4) * scale;
+        }
+        TEST_ASSERT_LESS_OR_EQUAL_INT(k, better);
+    }
+    ASSERT_NEAR(D(lattice->cost[0]), lattice->least_cost, 0);
+}
+
 static void test_the_search_keeps_the_three_best_of_the_lattice(void)
 {
     test_rng rng = test_seed(96);
     for (int trial = 0; trial < TEST_TRIALS(100); trial++) {
-        const rigcal_lattice *lattice;
-        double cost[LATTICE], scale = 0;
-        int steps = 0;
         test_problem p;
         rigcal_search s;
         test_random_problem(&p, &rng, MANY, trial % 2 ? TEST_PLANAR : TEST_GENERAL);
         test_add_noise(&p, &rng, 1);
         begin(&s, &p);
-        do {
-            TEST_ASSERT_EQUAL_INT32(RC_SEEDS_BUSY, rc_seeds_step(&s));
-            steps += s.n_seeds > 0;
-        } while (s.n_seeds == 0 || s.next > 0);
-        TEST_ASSERT_EQUAL_INT(LATTICE, steps); /* one cost each */
-        TEST_ASSERT_EQUAL_INT32(RIGCAL_SEEDS_MAX, s.n_seeds);
-        lattice = &s.from.lattice;
-        for (int i = 0; i < LATTICE; i++) {
-            double m3[3];
-            rigcal_real m[3];
-            lattice_direction(m3, i);
-            test_to_real(m, m3, 3);
-            cost[i] = D(rc_direction_cost(&lattice->moments, m));
-            scale = fmax(scale, cost[i] < 1e30 ? cost[i] : 0);
+        assert_best_of_lattice(&s);
+        TEST_ASSERT_FALSE(rc_seeds_scan(&s)); /* it has been searched */
+    }
+}
+
+/* Few points start from poses of three of them. The lattice can be searched after those,
+ * once. */
+static void test_the_lattice_can_be_searched_after_few_points_are_spent(void)
+{
+    test_rng rng = test_seed(114);
+    for (int trial = 0; trial < TEST_TRIALS(50); trial++) {
+        test_problem p;
+        rigcal_search s;
+        test_random_problem(&p, &rng, 6, TEST_GENERAL);
+        test_add_noise(&p, &rng, 1);
+        begin(&s, &p);
+        while (next_start(&s) == RC_SEEDS_START) {
         }
-        for (int k = 0; k < RIGCAL_SEEDS_MAX; k++) {
-            int better = 0;
-            ASSERT_NEAR(cost[lattice->index[k]], lattice->cost[k],
-                        TOL(1e-12, 1e-4) * scale);
-            for (int i = 0; i < LATTICE; i++) {
-                better += cost[i] < D(lattice->cost[k]) - TOL(1e-12, 1e-4) * scale;
-            }
-            TEST_ASSERT_LESS_OR_EQUAL_INT(k, better);
+        if (s.n_seeds == 0) { /* there were such poses */
+            TEST_ASSERT_TRUE(rc_seeds_scan(&s));
+            assert_best_of_lattice(&s);
         }
-        ASSERT_NEAR(D(lattice->cost[0]), lattice->least_cost, 0);
+        TEST_ASSERT_FALSE(rc_seeds_scan(&s));
     }
 }
 
@@ -371,17 +396,20 @@ static void test_a_flat_target_seen_head_on_has_starts_that_lean(void)
 
 /* A hexagon nearly head-on. A view of so few points starts from the poses of three of them.
  * After those comes a start that leans the other way by a tangent of 0.3, though the cost
- * falls from there to the pose found. */
+ * falls from there to the pose found. It does not come if two poses were found: then it
+ * would only lead to one of them. */
 static void test_few_points_of_a_flat_target_have_a_start_that_leans(void)
 {
     const double t[3] = {0, 0, 5}, lean = 0.01, least = atan(0.3);
     test_rng rng = test_seed(110);
     for (int trial = 0; trial < 50; trial++) {
-        double nearest = 10;
+        const int n_found = 1 + trial % 2;
+        double nearest = 10, other[9];
         test_problem p;
         rigcal_search s;
         test_random_problem(&p, &rng, 6, TEST_GENERAL);
         test_rotation(p.scene.R, test_uniform(&rng, -3, 3), lean, 0);
+        test_rotation(other, 1, 1.2, 0.5);
         for (int i = 0; i < 6; i++) {
             const double way = TEST_PI / 3 * i;
             const double X[3] = {0.5 * cos(way), 0.5 * sin(way), 0};
@@ -392,8 +420,12 @@ static void test_few_points_of_a_flat_target_have_a_start_that_leans(void)
             test_to_real(p.o[i].uv, uv, 2);
         }
         begin(&s, &p);
-        TEST_ASSERT_EQUAL_INT32(RC_SEEDS_START, next_start(&s));
-        keep(&s, p.scene.R, t, 0);
+        for (int i = 0; i < n_found; i++) {
+            TEST_ASSERT_EQUAL_INT32(RC_SEEDS_START, next_start(&s));
+        }
+        for (int i = 0; i < n_found; i++) {
+            keep(&s, i == 0 ? p.scene.R : other, t, i);
+        }
         while (next_start(&s) == RC_SEEDS_START) {
             const rigcal_real *const R = start_of(&s)->R; /* its last column: the normal */
             double off = fabs(D(R[8]) - cos(least));
@@ -403,7 +435,7 @@ static void test_few_points_of_a_flat_target_have_a_start_that_leans(void)
             }
             nearest = fmin(nearest, off);
         }
-        TEST_ASSERT_TRUE(nearest < 0.01);
+        TEST_ASSERT_EQUAL_INT(n_found == 1, nearest < 0.01);
     }
 }
 
@@ -495,6 +527,45 @@ static void test_rays_all_around_start_from_triples_among_which_is_the_pose(void
     }
 }
 
+/* All rays are as far off the axis. Beyond 60 degrees triples of points come after the
+ * search, beyond 80 degrees in place of it. */
+static void test_how_far_off_the_axis_triples_are_taken(void)
+{
+    static const double DEGREES[8] = {20, 59, 61, 70, 79, 81, 85, 89};
+    test_rng rng = test_seed(112);
+    for (int trial = 0; trial < 16; trial++) {
+        const double off = DEGREES[trial / 2];
+        test_problem p;
+        rigcal_search s;
+        surrounded(&p, 12, &rng);
+        p.camera.lens = (trial % 2) ? RIGCAL_LENS_FISHEYE : RIGCAL_LENS_BROWN;
+        for (int i = 0; i < 12; i++) {
+            const double way = TEST_PI / 6 * i, out = off * TEST_PI / 180;
+            const double range = test_uniform(&rng, 1, 2);
+            const double X_c[3] = {range * sin(out) * cos(way), range * sin(out) * sin(way),
+                                   range * cos(out)};
+            double uv[2], from[3], back[9], X[3];
+            test_project_px(uv, &p.camera, X_c);
+            test_to_real(p.o[i].uv, uv, 2);
+            for (int k = 0; k < 3; k++) {
+                from[k] = X_c[k] - p.scene.t[k];
+            }
+            test_transpose(back, p.scene.R);
+            test_apply(X, back, from, NULL);
+            test_to_real(p.o[i].X_w, X, 3);
+        }
+        begin(&s, &p);
+        TEST_ASSERT_EQUAL_INT32(RC_SEEDS_START, next_start(&s));
+        TEST_ASSERT_EQUAL_INT(off > 60, s.is_wide != 0);
+        TEST_ASSERT_EQUAL_INT(off > 80, s.triples > 0);
+        TEST_ASSERT_EQUAL_INT(off > 80, s.n_seeds == 0);
+        keep(&s, p.scene.R, p.scene.t, 0);
+        while (next_start(&s) == RC_SEEDS_START) {
+        }
+        TEST_ASSERT_EQUAL_INT(off > 60, s.triples > 0);
+    }
+}
+
 /* A fisheye's pixel at 180 degrees or more is reported before the first start, whether or
  * not a triple would use that point. */
 static void test_a_pixel_of_rays_all_around_that_has_none_is_told_before_a_start(void)
@@ -535,6 +606,32 @@ static void test_a_triple_is_spread_over_the_order_of_the_points(void)
         }
         TEST_ASSERT_EQUAL_INT32(6, triples);
     }
+}
+
+/* While nothing is found, every pose of every triple is a start. */
+static void test_all_poses_of_each_triple_are_starts(void)
+{
+    test_rng rng = test_seed(113);
+    int several = 0;
+    for (int trial = 0; trial < 40; trial++) {
+        int32_t came = RC_SEEDS_BUSY, triples = 0;
+        int n_starts = 0, n_poses = 0;
+        test_problem p;
+        rigcal_search s;
+        surrounded(&p, 12, &rng);
+        begin(&s, &p);
+        while (came != RC_SEEDS_TRIPLE_SPENT) {
+            came = rc_seeds_step(&s);
+            n_starts += came == RC_SEEDS_START;
+            if (s.triples > triples) {
+                triples = s.triples;
+                n_poses += s.n_exact;
+                several += s.n_exact > 1;
+            }
+        }
+        TEST_ASSERT_EQUAL_INT(n_poses, n_starts);
+    }
+    TEST_ASSERT_GREATER_THAN_INT(40, several);
 }
 
 /* Each triple has three different points. Together they have all of 8 points; with more
@@ -771,6 +868,7 @@ TEST_MAIN()
     RUN_TEST(test_points_in_two_places_or_on_a_line_have_no_start);
     RUN_TEST(test_the_lattice_covers_the_sphere);
     RUN_TEST(test_the_search_keeps_the_three_best_of_the_lattice);
+    RUN_TEST(test_the_lattice_can_be_searched_after_few_points_are_spent);
     RUN_TEST(test_a_start_of_an_exact_view_is_near_its_pose);
     RUN_TEST(test_no_start_leads_to_what_has_been_found);
     RUN_TEST(test_a_seed_on_the_way_to_the_pose_found_takes_no_descent);
@@ -779,8 +877,10 @@ TEST_MAIN()
     RUN_TEST(test_few_points_of_a_flat_target_have_a_start_that_leans);
     RUN_TEST(test_all_poses_of_three_points_are_starts);
     RUN_TEST(test_rays_all_around_start_from_triples_among_which_is_the_pose);
+    RUN_TEST(test_how_far_off_the_axis_triples_are_taken);
     RUN_TEST(test_a_pixel_of_rays_all_around_that_has_none_is_told_before_a_start);
     RUN_TEST(test_a_triple_is_spread_over_the_order_of_the_points);
+    RUN_TEST(test_all_poses_of_each_triple_are_starts);
     RUN_TEST(test_triples_are_of_different_points_and_six_at_most);
     RUN_TEST(test_after_a_pose_two_triples_are_enough);
     RUN_TEST(test_no_start_is_beside_what_was_found);

@@ -676,7 +676,9 @@ static void test_the_same_bits_whatever_the_budgets(void)
         const size_t number = is_camera ? 1 : (size_t)test_boards_view(&b, 1, 3);
         const rigcal_cause whole = is_camera ? camera_cause(1) : cause_of((int)number);
 
+        int units = 0; /* of all */
         for (int32_t budget = 1; budget < 60; budget += 13) {
+            int calls = 0;
             rigcal_cause cause;
             rigcal_status status =
                 is_camera ? rigcal_camera_cause_begin(&solver, &b.rig, &b.judgement,
@@ -688,7 +690,10 @@ static void test_the_same_bits_whatever_the_budgets(void)
             ASSERT_STATUS(RIGCAL_ERR_STATE, rigcal_cause_result(&cause, &solver));
             do {
                 status = rigcal_cause_step(&solver, budget);
+                calls++;
             } while (status == RIGCAL_RUNNING);
+            units = (budget == 1) ? calls : units;
+            TEST_ASSERT_EQUAL_INT((units + budget - 1) / budget, calls);
             ASSERT_STATUS(RIGCAL_OK, rigcal_cause_result(&cause, &solver));
             TEST_ASSERT_EQUAL_MEMORY(&whole, &cause, sizeof cause);
         }

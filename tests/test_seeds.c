@@ -141,10 +141,39 @@ static void test_points_in_two_places_or_on_a_line_have_no_start(void)
     }
 }
 
+/* The limit is a part of the target's size: the farthest that a coordinate is from the
+ * first point. Nearer points count as one, and then three are left. */
+static void test_points_at_nearly_one_place_count_as_one(void)
+{
+    test_rng rng = test_seed(117);
+    for (int trial = 0; trial < 40; trial++) {
+        const double apart = TOL(1e-9, 1e-5) * ((trial % 2) ? 0.7 : 1.4);
+        double size = 0;
+        test_problem p;
+        rigcal_search s;
+        test_random_problem(&p, &rng, 4, TEST_GENERAL);
+        for (int i = 1; i < 3; i++) {
+            for (int k = 0; k < 3; k++) {
+                p.o[i].X_w[k] -= p.o[0].X_w[k];
+                size = fmax(size, fabs(D(p.o[i].X_w[k])));
+            }
+        }
+        for (int k = 0; k < 3; k++) {
+            p.o[0].X_w[k] = 0;
+            p.o[3].X_w[k] = (k == trial % 3) ? RC(apart * size) : 0;
+        }
+        begin(&s, &p);
+        while (s.point < 4) {
+            TEST_ASSERT_EQUAL_INT32(RC_SEEDS_BUSY, rc_seeds_step(&s));
+        }
+        TEST_ASSERT_EQUAL_INT(trial % 2 ? 3 : 4, s.work.triple.count);
+    }
+}
+
 /* ---- the lattice -------------------------------------------------------------- */
 
-/* points: fewer start from the poses of three of them. */
-enum { MANY = 9 };
+/* points: fewer start from the poses of three of them, in builds that have the code. */
+enum { MANY = 9, WITH_FEW = RIGCAL_FOR_SPEED && RIGCAL_WITH_THREE_POINTS };
 
 enum { LATTICE = 24 };
 
@@ -243,6 +272,35 @@ static void test_the_lattice_can_be_searched_after_few_points_are_spent(void)
     }
 }
 
+/* Of a target narrower than a quarter of its length, three points do not give the turn about
+ * its length. So even few points of it begin with the lattice. */
+static void test_few_points_of_a_narrow_target_begin_with_the_lattice(void)
+{
+    test_rng rng = test_seed(116);
+    for (int trial = 0; trial < 40; trial++) {
+        const double width = (trial % 2) ? 0.2 : 0.3;
+        test_problem p;
+        rigcal_search s;
+        test_random_problem(&p, &rng, 6, TEST_GENERAL);
+        for (int i = 0; i < 6; i++) {
+            const double X[3] = {i % 2 - 0.5,
+                                 width * (i < 2    ? 0
+                                          : i == 2 ? 1
+                                                   : 0.5),
+                                 i > 3 ? 0.01 : 0};
+            double X_c[3], uv[2];
+            test_apply(X_c, p.scene.R, X, p.scene.t);
+            test_project_px(uv, &p.camera, X_c);
+            test_to_real(p.o[i].X_w, X, 3);
+            test_to_real(p.o[i].uv, uv, 2);
+        }
+        begin(&s, &p);
+        TEST_ASSERT_EQUAL_INT32(RC_SEEDS_START, next_start(&s));
+        TEST_ASSERT_EQUAL_INT(WITH_FEW && width > 0.25, s.n_seeds == 0);
+        TEST_ASSERT_EQUAL_INT(WITH_FEW && width > 0.25, s.n_roots > 0);
+    }
+}
+
 /* ---- starts of a search ------------------------------------------------------- */
 
 /* The distance of the nearest start, of all that come while nothing was found, and their
@@ -304,6 +362,31 @@ static void test_no_start_leads_to_what_has_been_found(void)
         }
         TEST_ASSERT_LESS_OR_EQUAL_INT(2 + 3, n_starts); /* from the lattice; leaning */
     }
+}
+
+/* A descent takes ten evaluations, of which that of the seed is known. Its start costs less
+ * than the seed, or as much. */
+static void test_a_descent_takes_ten_evaluations(void)
+{
+    test_rng rng = test_seed(115);
+    int better = 0, descents = 0;
+    for (int trial = 0; trial < TEST_TRIALS(100); trial++) {
+        test_problem p;
+        rigcal_search s;
+        test_random_problem(&p, &rng, MANY, TEST_GENERAL);
+        begin(&s, &p);
+        assert_best_of_lattice(&s);
+        for (int k = 0; k < RIGCAL_SEEDS_MAX; k++, descents++) {
+            int steps = 1;
+            while (rc_seeds_step(&s) != RC_SEEDS_START) {
+                steps++;
+            }
+            TEST_ASSERT_EQUAL_INT(1 + 9, steps);
+            better += s.from.lattice.least_cost < s.from.lattice.cost[k];
+            TEST_ASSERT_TRUE(s.from.lattice.least_cost <= s.from.lattice.cost[k]);
+        }
+    }
+    TEST_ASSERT_GREATER_THAN_INT(descents * 9 / 10, better);
 }
 
 /* A descent takes ten steps. It takes one step to see that a seed leads downhill to a pose
@@ -403,7 +486,7 @@ static void test_few_points_of_a_flat_target_have_a_start_that_leans(void)
     const double t[3] = {0, 0, 5}, lean = 0.01, least = atan(0.3);
     test_rng rng = test_seed(110);
     for (int trial = 0; trial < 50; trial++) {
-        const int n_found = 1 + trial % 2;
+        const int n_found = 1 + (WITH_FEW && trial % 2);
         double nearest = 10, other[9];
         test_problem p;
         rigcal_search s;
@@ -866,11 +949,14 @@ TEST_MAIN()
     RUN_TEST(test_a_pixel_that_the_lens_does_not_reach_is_told);
     RUN_TEST(test_a_step_takes_16_rays_of_a_pinhole_and_one_of_a_lens);
     RUN_TEST(test_points_in_two_places_or_on_a_line_have_no_start);
+    RUN_TEST(test_points_at_nearly_one_place_count_as_one);
     RUN_TEST(test_the_lattice_covers_the_sphere);
     RUN_TEST(test_the_search_keeps_the_three_best_of_the_lattice);
     RUN_TEST(test_the_lattice_can_be_searched_after_few_points_are_spent);
+    RUN_TEST(test_few_points_of_a_narrow_target_begin_with_the_lattice);
     RUN_TEST(test_a_start_of_an_exact_view_is_near_its_pose);
     RUN_TEST(test_no_start_leads_to_what_has_been_found);
+    RUN_TEST(test_a_descent_takes_ten_evaluations);
     RUN_TEST(test_a_seed_on_the_way_to_the_pose_found_takes_no_descent);
     RUN_TEST(test_a_flat_target_has_a_start_near_its_second_minimum);
     RUN_TEST(test_a_flat_target_seen_head_on_has_starts_that_lean);

@@ -266,6 +266,22 @@ static void test_a_disparity_of_rounding_is_refused(void)
                    rigcal_depth_aligned(X, RC_COORDINATE_MAX, left, zero));
 }
 
+/* It grows with the coordinates. */
+static void test_what_a_disparity_must_be_goes_with_the_coordinates(void)
+{
+    for (double size = 0.25; size < 5000; size *= 8) {
+        const rigcal_real left[2] = {RC(size), 0};
+        const rigcal_real low[2] = {RC(size * (1 - 4 * D(RC_EPS))), 0};
+        const rigcal_real lower[2] = {RC(size * (1 - 5 * D(RC_EPS))), 0};
+        rigcal_real X[3];
+
+        ASSERT_REFUSED(RIGCAL_ERR_PARALLEL, X,
+                       rigcal_depth_aligned(X, RC(0.001), left, low));
+        ASSERT_STATUS(RIGCAL_OK, rigcal_depth_aligned(X, RC(0.001), left, lower));
+        ASSERT_NEAR(0.001, 5 * size * D(RC_EPS) * D(X[2]), TOL(1e-15, 1e-9));
+    }
+}
+
 /* A disparity of 5 roundings at x = 1 and at x = -1, of points far above and below. */
 static void test_the_height_of_a_point_has_no_part_in_its_disparity(void)
 {
@@ -781,6 +797,7 @@ TEST_MAIN()
     RUN_TEST(test_no_or_negative_disparity_is_refused);
     RUN_TEST(test_the_longest_baseline_is_accepted);
     RUN_TEST(test_a_disparity_of_rounding_is_refused);
+    RUN_TEST(test_what_a_disparity_must_be_goes_with_the_coordinates);
     RUN_TEST(test_the_height_of_a_point_has_no_part_in_its_disparity);
     RUN_TEST(test_arguments_of_aligned_stereo_are_checked);
     RUN_TEST(test_a_point_of_perfect_views_is_where_it_is);

@@ -147,6 +147,24 @@ static void test_a_view_of_the_placement_before_or_after_is_told(void)
     }
 }
 
+/* What one other camera saw of the placement before or after is enough. */
+static void test_of_two_cameras_a_view_of_another_placement_is_told(void)
+{
+    WANTS_BOARDS;
+    for (int trial = 0; trial < 4; trial++) {
+        const int c = trial % 2, shift = trial / 2 ? 1 : -1;
+
+        make(3250 + (uint64_t)trial, 2, 8);
+        const int v = test_boards_view(&b, c, 4);
+        test_boards_replace(&b, v, test_boards_view(&b, c, 4 + shift));
+        judge();
+        TEST_ASSERT_EQUAL_INT32(RIGCAL_VIEW_ONE_OF_TWO, b.judged[v].verdict);
+        const rigcal_cause cause = cause_of(v);
+        TEST_ASSERT_EQUAL_INT32(RIGCAL_CAUSE_SHIFTED, cause.cause);
+        TEST_ASSERT_EQUAL_INT32(shift, cause.shift);
+    }
+}
+
 /* The placements before and after are the same: the target stood still. */
 static void test_of_a_target_that_stood_still_the_shift_is_open(void)
 {
@@ -580,6 +598,7 @@ static void test_against_a_view_that_knows_no_turn_there_is_no_cause(void)
 
 static rigcal_status pose_from(rigcal_view_pose *pose, size_t index, void *context)
 {
+    TEST_ASSERT_TRUE(index < b.rig.n_views);
     *pose = ((const rigcal_view_pose *)context)[index];
     return RIGCAL_OK;
 }
@@ -613,6 +632,7 @@ static rigcal_status fail_in_turn(void)
 static rigcal_status failing_pose(rigcal_view_pose *pose, size_t index, void *context)
 {
     (void)context;
+    TEST_ASSERT_TRUE(index < b.rig.n_views);
     *pose = b.own[index];
     return fail_in_turn();
 }
@@ -620,6 +640,7 @@ static rigcal_status failing_pose(rigcal_view_pose *pose, size_t index, void *co
 static rigcal_status failing_view(rigcal_rig_view *view, size_t index, void *context)
 {
     (void)context;
+    TEST_ASSERT_TRUE(index < b.rig.n_views);
     *view = b.views[index];
     return fail_in_turn();
 }
@@ -659,6 +680,44 @@ static void test_the_failure_of_a_source_is_told(void)
         }
         b.rig.views = b.views;
         b.rig.view_poses = b.own;
+    }
+}
+
+/* The source gives no information any more after the search has begun. */
+static rigcal_status pose_without_information(rigcal_view_pose *pose, size_t index,
+                                              void *context)
+{
+    *pose = b.own[index];
+    if (*(const int *)context) {
+        memset(pose->information, 0, sizeof pose->information);
+    }
+    return RIGCAL_OK;
+}
+
+static void test_views_that_lose_their_information_are_degenerate(void)
+{
+    static rigcal_cause_solver solver;
+    static int is_lost;
+
+    WANTS_BOARDS;
+    make(4120, 3, 3);
+    test_boards_swap(&b, 4, 5);
+    judge();
+    b.rig.view_poses = NULL;
+    b.rig.view_pose_source = pose_without_information;
+    b.rig.context = &is_lost;
+    for (int way = 0; way < 4; way++) {
+        const rigcal_symmetries *const sym = (way % 2) ? &symmetries : NULL;
+        rigcal_cause cause;
+
+        is_lost = 0;
+        ASSERT_STATUS(RIGCAL_OK,
+                      way / 2
+                          ? rigcal_camera_cause_begin(&solver, &b.rig, &b.judgement, sym, 1)
+                          : rigcal_cause_begin(&solver, &b.rig, &b.judgement, sym, 4));
+        is_lost = 1;
+        ASSERT_STATUS(RIGCAL_OK, rigcal_cause_step(&solver, 100000));
+        ASSERT_REFUSED(RIGCAL_ERR_DEGENERATE, cause, rigcal_cause_result(&cause, &solver));
     }
 }
 
@@ -805,10 +864,15 @@ static void test_a_camera_that_has_nothing_to_turn(void)
     b.rig.left_out = b.left_out;
     b.cams[3] = b.cams[2];
     b.rig.n_cameras = 4;
-    ASSERT_STATUS(RIGCAL_OK,
-                  rigcal_camera_cause(&cause, &b.rig, &b.judgement, &symmetries, 3));
-    TEST_ASSERT_EQUAL_INT32(RIGCAL_CAUSE_UNKNOWN, cause.cause);
-    TEST_ASSERT_EQUAL_INT32(0, cause.n_views);
+    b.rig.view_pose_source = pose_from; /* no view beyond the last one is asked for */
+    b.rig.context = b.own;
+    for (int is_source = 0; is_source < 2; is_source++) {
+        b.rig.view_poses = is_source ? NULL : b.own;
+        ASSERT_STATUS(RIGCAL_OK,
+                      rigcal_camera_cause(&cause, &b.rig, &b.judgement, &symmetries, 3));
+        TEST_ASSERT_EQUAL_INT32(RIGCAL_CAUSE_UNKNOWN, cause.cause);
+        TEST_ASSERT_EQUAL_INT32(0, cause.n_views);
+    }
 }
 
 TEST_MAIN()
@@ -817,6 +881,7 @@ TEST_MAIN()
     RUN_TEST(test_up_to_the_limit_the_cause_is_told);
     RUN_TEST(test_of_two_views_either_may_be_turned);
     RUN_TEST(test_a_view_of_the_placement_before_or_after_is_told);
+    RUN_TEST(test_of_two_cameras_a_view_of_another_placement_is_told);
     RUN_TEST(test_of_a_target_that_stood_still_the_shift_is_open);
     RUN_TEST(test_swapped_cameras_are_told);
     RUN_TEST(test_of_other_views_the_cause_is_unknown);
@@ -836,6 +901,7 @@ TEST_MAIN()
     RUN_TEST(test_against_a_view_that_knows_no_turn_there_is_no_cause);
     RUN_TEST(test_poses_may_come_from_a_source);
     RUN_TEST(test_the_failure_of_a_source_is_told);
+    RUN_TEST(test_views_that_lose_their_information_are_degenerate);
     RUN_TEST(test_the_same_bits_whatever_the_budgets);
     RUN_TEST(test_permutations_are_checked);
     RUN_TEST(test_counts_of_symmetries_are_checked);

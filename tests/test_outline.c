@@ -347,6 +347,45 @@ static void test_an_arc_with_one_end_like_a_polynomial_keeps_its_rows(void)
     }
 }
 
+/* v at t. As a function of v, t is no polynomial. */
+static double bent(double t)
+{
+    return t * (20 + 2 * t);
+}
+
+/* An arc that is no polynomial of the row is divided into four parts at even steps of t,
+ * each of which begins where the one before ends. Most of them are near a polynomial. */
+static void test_a_long_arc_is_divided_into_parts(void)
+{
+    for (int way = 0; way < 2; way++) {
+        rigcal_real u[RIGCAL_SPANS_NODES], v[RIGCAL_SPANS_NODES];
+        int n_direct = 0;
+
+        for (int i = 0; i <= LAST; i++) {
+            u[i] = RC(10 * i);
+            v[i] = RC(bent(way ? LAST - i : i));
+        }
+        rc_outline_begin(&outline, 300);
+        rc_outline_add(&outline, u, v);
+        TEST_ASSERT_EQUAL_INT32(LAST, outline.n_arcs);
+        for (int i = 0; i < LAST; i++) {
+            const rigcal_arc *const arc = &outline.arcs[i];
+            const int least = way ? LAST - 1 - i : i;
+
+            n_direct += arc->is_direct;
+            ASSERT_NEAR(bent(least), arc->low, TOL(1e-12, 1e-4));
+            ASSERT_NEAR(bent(least + 1), arc->high, TOL(1e-12, 1e-4));
+            ASSERT_NEAR(way ? i + 1 : i, arc->t_low, 0);
+            ASSERT_NEAR(way ? i : i + 1, arc->t_high, 0);
+            if (i > 0) { /* to the bit */
+                ASSERT_NEAR(D(way ? arc[-1].low : arc[-1].high), way ? arc->high : arc->low,
+                            0);
+            }
+        }
+        TEST_ASSERT_GREATER_OR_EQUAL_INT(3, n_direct);
+    }
+}
+
 /* Curves that end exactly in a row, 50, where a border goes on. Whatever rounding does, each
  * row has one span: none ends twice or not at all. */
 static void test_a_corner_exactly_in_a_row_leaves_no_gap(void)
@@ -452,6 +491,7 @@ TEST_MAIN()
     RUN_TEST(test_an_arc_that_folds_between_nodes_keeps_its_rows);
     RUN_TEST(test_rows_near_the_turn_of_a_curve_are_its_chords);
     RUN_TEST(test_an_arc_with_one_end_like_a_polynomial_keeps_its_rows);
+    RUN_TEST(test_a_long_arc_is_divided_into_parts);
     RUN_TEST(test_a_corner_exactly_in_a_row_leaves_no_gap);
     RUN_TEST(test_an_arc_ends_before_the_row_of_its_end);
     RUN_TEST(test_the_rows_of_an_outline_are_those_of_all_its_arcs);

@@ -228,6 +228,33 @@ static void test_of_two_that_share_as_much_the_advice_takes_the_first(void)
     }
 }
 
+/* Two groups of two cameras. The one that shares more placements is joined by the other,
+ * whichever has the lower numbers. */
+static void test_the_advice_joins_a_group_to_the_best_connected_one(void)
+{
+    test_rng rng = test_seed(514);
+    rigcal_advice advice[3];
+    size_t n;
+
+    WANTS_RIG;
+    for (int best = 0; best < 2; best++) {
+        test_rig_random(&r, &rng, 4, 4, 6);
+        for (int f = 0; f < 4; f++) {
+            const int pair = (f == 1) ? !best : best;
+
+            test_rig_see(&r, &rng, 2 * pair, f, 0);
+            test_rig_see(&r, &rng, 2 * pair + 1, f, 0);
+        }
+        give_poses(NULL);
+        ASSERT_STATUS(RIGCAL_DISCONNECTED, link_all());
+        TEST_ASSERT_EQUAL_INT32(2, n_groups);
+        ASSERT_STATUS(RIGCAL_OK, rigcal_rig_advise(advice, 3, &n, links, &r.rig));
+        TEST_ASSERT_EQUAL(1, n);
+        TEST_ASSERT_EQUAL_INT32(2 * best, advice[0].a);
+        TEST_ASSERT_EQUAL_INT32(2 * !best, advice[0].b);
+    }
+}
+
 /* Nobody saw a target together: each camera is a group, and the first is as good a partner
  * for the rest as any. */
 static void test_where_nothing_is_shared_the_advice_joins_all_to_the_first(void)
@@ -307,6 +334,26 @@ static void test_of_two_that_are_as_sure_the_first_is_told(void)
     ASSERT_STATUS(RIGCAL_OK, rigcal_rig_weakest(&weakest, &r.rig, RC(0.3)));
     TEST_ASSERT_EQUAL_INT32(2, weakest.camera);
     TEST_ASSERT_EQUAL_INT32(0, weakest.other);
+}
+
+/* Of held cameras each is known exactly against each. */
+static void test_of_all_that_are_as_sure_the_first_is_the_weakest(void)
+{
+    test_rng rng = test_seed(515);
+    rigcal_weakest weakest;
+    rigcal_rig_fit fit;
+
+    WANTS_RIG;
+    test_rig_random(&r, &rng, 3, 4, 8);
+    test_rig_see_all(&r, &rng, 0.3);
+    memset(r.roles, RIGCAL_CAMERA_HELD, sizeof r.roles);
+    r.rig.roles = r.roles;
+    ASSERT_STATUS(RIGCAL_OK, rigcal_rig_adjust(&fit, NULL, &r.rig));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_rig_weakest(&weakest, &r.rig, RC(0.3)));
+    TEST_ASSERT_EQUAL_INT32(0, weakest.camera);
+    TEST_ASSERT_EQUAL_INT32(1, weakest.other);
+    ASSERT_NEAR(0, weakest.rotation, 0);
+    ASSERT_NEAR(0, weakest.translation, 0);
 }
 
 static void test_no_two_cameras_no_weakest_link(void)
@@ -472,9 +519,11 @@ TEST_MAIN()
     RUN_TEST(test_advice_connects_every_rig);
     RUN_TEST(test_advice_takes_the_best_connected_camera);
     RUN_TEST(test_of_two_that_share_as_much_the_advice_takes_the_first);
+    RUN_TEST(test_the_advice_joins_a_group_to_the_best_connected_one);
     RUN_TEST(test_where_nothing_is_shared_the_advice_joins_all_to_the_first);
     RUN_TEST(test_the_weakest_link);
     RUN_TEST(test_of_two_that_are_as_sure_the_first_is_told);
+    RUN_TEST(test_of_all_that_are_as_sure_the_first_is_the_weakest);
     RUN_TEST(test_no_two_cameras_no_weakest_link);
     RUN_TEST(test_links_of_a_source_are_those_of_an_array);
     RUN_TEST(test_links_take_no_more_memory_than_a_join);

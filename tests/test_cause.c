@@ -543,6 +543,32 @@ static void test_a_single_view_does_not_say_that_its_camera_is_late(void)
     TEST_ASSERT_EQUAL_INT32(0, cause.n_views);
 }
 
+/* Nobody else saw the placement of view 6, nor that before or after. So there is nothing
+ * that the view could agree with, turned or not. */
+static void test_a_view_alone_has_no_cause(void)
+{
+    size_t n = 0;
+
+    WANTS_BOARDS;
+    make(4075, 3, 6);
+    ASSERT_STATUS(RIGCAL_OK, judged());
+    for (size_t v = 0; v < b.rig.n_views; v++) {
+        const int32_t f = b.views[v].placement;
+
+        if (f < 2 || f > 4 || (f == 3 && b.views[v].camera == 1)) {
+            b.views[n] = b.views[v];
+            b.own[n++] = b.own[v];
+        }
+    }
+    b.rig.n_views = n;
+    b.rig.left_out = NULL;
+    TEST_ASSERT_EQUAL_INT32(3, b.views[6].placement);
+    const rigcal_cause cause = cause_of(6);
+    TEST_ASSERT_EQUAL_INT32(RIGCAL_CAUSE_UNKNOWN, cause.cause);
+    TEST_ASSERT_EQUAL_INT32(-1, cause.permutation);
+    TEST_ASSERT_EQUAL_INT32(0, cause.shift);
+}
+
 /* No turn can be found for a view whose pixels are no image of the target, for one without
  * pixels, and for one whose points are too far from their origin to show their
  * directions. */
@@ -897,6 +923,7 @@ TEST_MAIN()
     RUN_TEST(test_of_a_target_that_stands_still_no_camera_is_late);
     RUN_TEST(test_a_few_views_that_are_late_are_not_the_camera);
     RUN_TEST(test_a_single_view_does_not_say_that_its_camera_is_late);
+    RUN_TEST(test_a_view_alone_has_no_cause);
     RUN_TEST(test_a_view_that_cannot_be_solved_has_no_cause);
     RUN_TEST(test_against_a_view_that_knows_no_turn_there_is_no_cause);
     RUN_TEST(test_poses_may_come_from_a_source);

@@ -408,6 +408,40 @@ static void test_links_of_a_source_are_those_of_an_array(void)
     }
 }
 
+/* Each view is read once when it is checked, and once for its links. The second time the
+ * source says another camera for view 4. */
+static rigcal_status pose_of_another_camera(rigcal_view_pose *pose, size_t index,
+                                            void *context)
+{
+    int *const calls = (int *)context;
+
+    *pose = r.own[index];
+    pose->camera = (++*calls > 6 && index == 4) ? 0 : pose->camera;
+    return RIGCAL_OK;
+}
+
+static void test_a_camera_twice_in_a_placement_is_refused(void)
+{
+    test_rng rng = test_seed(516);
+    int calls = 0;
+    int32_t at_fault;
+
+    WANTS_RIG;
+    test_rig_random(&r, &rng, 3, 2, 6);
+    test_rig_see_all(&r, &rng, 0);
+    give_poses(NULL);
+    r.rig.view_poses = NULL;
+    r.rig.view_pose_source = pose_of_another_camera;
+    r.rig.context = &calls;
+    ASSERT_STATUS(RIGCAL_ERR_TWICE,
+                  rigcal_rig_links(links, 3, &n_groups, &at_fault, &r.rig));
+    r.own[4].camera = 0;
+    calls = 0;
+    ASSERT_STATUS(RIGCAL_ERR_TWICE,
+                  rigcal_rig_links(links, 3, &n_groups, &at_fault, &r.rig));
+    TEST_ASSERT_EQUAL_INT32(4, at_fault);
+}
+
 /* What rigcal_rig_work counts is enough, and one number less is not. Nothing is written
  * beyond the memory. */
 static void test_links_take_no_more_memory_than_a_join(void)
@@ -526,6 +560,7 @@ TEST_MAIN()
     RUN_TEST(test_of_all_that_are_as_sure_the_first_is_the_weakest);
     RUN_TEST(test_no_two_cameras_no_weakest_link);
     RUN_TEST(test_links_of_a_source_are_those_of_an_array);
+    RUN_TEST(test_a_camera_twice_in_a_placement_is_refused);
     RUN_TEST(test_links_take_no_more_memory_than_a_join);
     RUN_TEST(test_after_links_a_rig_is_not_adjusted);
     RUN_TEST(test_what_is_left_out_shares_nothing);

@@ -1,6 +1,7 @@
 /* outline: the spans of a closed curve that is given piece by piece. The truth: a
  * circle. */
 #include <math.h>
+#include <string.h>
 
 #include "rc_outline.h"
 #include "test_support.h"
@@ -351,6 +352,109 @@ static void test_an_arc_with_one_end_like_a_polynomial_keeps_its_rows(void)
     }
 }
 
+static double quartic(const double c[RIGCAL_SPANS_NODES], double t)
+{
+    return c[0] + t * (c[1] + t * (c[2] + t * (c[3] + t * c[4])));
+}
+
+/* A random curve of degree 4, without two turns of v between two nodes. */
+static void random_quartic(double c[2][RIGCAL_SPANS_NODES], test_rng *rng)
+{
+    enum { FINE = 100 };
+    int is_folded;
+
+    do {
+        int turns[LAST] = {0};
+
+        for (int axis = 0; axis < 2; axis++) {
+            for (int k = 0; k <= LAST; k++) {
+                c[axis][k] = test_uniform(rng, -40, 40) / pow(2, k);
+            }
+            c[axis][0] += 60;
+        }
+        is_folded = 0;
+        for (int i = 1; i < LAST * FINE; i++) {
+            const double t = i / (double)FINE;
+            const double before = quartic(c[1], t - 0.01), at = quartic(c[1], t);
+
+            turns[i / FINE] += (at - before) * (quartic(c[1], t + 0.01) - at) <= 0;
+        }
+        for (int i = 0; i < LAST; i++) {
+            is_folded |= turns[i] > 1;
+        }
+    } while (is_folded);
+}
+
+/* A point is inside the outline if a line from it to the left crosses the outline an odd
+ * number of times. The curve is followed in small straight steps. Rows that it grazes are
+ * left out: far from the image its nodes are large, and in float rounded to 1e-4. */
+static void test_the_rows_of_any_curve_are_what_is_inside(void)
+{
+    enum { WIDTH = 120, HEIGHT = 120, STEPS = 2000 };
+    static double at[STEPS + 4][2];
+    test_rng rng = test_seed(4712);
+
+    TEST_WANTS_RAM(sizeof at + 20000);
+    for (int trial = 0; trial < TEST_TRIALS(300); trial++) {
+        double c[2][RIGCAL_SPANS_NODES], corner[2];
+        rigcal_real u[RIGCAL_SPANS_NODES], v[RIGCAL_SPANS_NODES];
+        int n = 0;
+
+        random_quartic(c, &rng);
+        corner[0] = test_uniform(&rng, 0, 120);
+        corner[1] = test_uniform(&rng, 0, 120);
+        for (; n <= STEPS; n++) {
+            at[n][0] = quartic(c[0], LAST * n / (double)STEPS);
+            at[n][1] = quartic(c[1], LAST * n / (double)STEPS);
+        }
+        memcpy(at[n++], corner, sizeof corner);
+        memcpy(at[n++], at[0], sizeof corner);
+        rc_outline_begin(&outline, HEIGHT);
+        for (int side = 0; side < 3; side++) {
+            for (int i = 0; i <= LAST; i++) {
+                const double part = i / (double)LAST;
+                const double *const p = at[side == 0 ? 0 : STEPS + side - 1];
+                const double *const q = at[STEPS + side];
+
+                u[i] = RC(side ? p[0] + part * (q[0] - p[0]) : quartic(c[0], i));
+                v[i] = RC(side ? p[1] + part * (q[1] - p[1]) : quartic(c[1], i));
+            }
+            rc_outline_add(&outline, u, v);
+        }
+        rc_outline_close(&outline);
+        TEST_ASSERT_FALSE(outline.is_full);
+        for (int32_t row = 0; row < HEIGHT; row++) {
+            double crossing[16];
+            int n_crossings = 0, is_grazed = 0;
+            rigcal_span spans[RIGCAL_SPANS_ROW];
+            const size_t n_spans = rc_outline_row(spans, &outline, row, WIDTH);
+
+            for (int i = 1; i < n && n_crossings < 16; i++) {
+                const double *const p = at[i - 1], *const q = at[i];
+
+                is_grazed |= fabs(p[1] - row) < TOL(0.01, 0.05) &&
+                             fabs(q[1] - row) < TOL(0.01, 0.05);
+                if ((p[1] < row) != (q[1] < row)) {
+                    crossing[n_crossings++] =
+                        p[0] + (row - p[1]) / (q[1] - p[1]) * (q[0] - p[0]);
+                }
+            }
+            for (int column = 0; column < WIDTH && !is_grazed; column++) {
+                int is_inside = 0, is_near = 0, is_told = 0;
+
+                for (int k = 0; k < n_crossings; k++) {
+                    is_inside ^= crossing[k] < column;
+                    is_near |= fabs(crossing[k] - column) < 0.2;
+                }
+                for (size_t k = 0; k < n_spans; k++) {
+                    is_told |= spans[k].first <= column && column <= spans[k].last;
+                }
+                TEST_ASSERT_TRUE(is_near || is_told == is_inside);
+            }
+        }
+    }
+}
+
 /* v at t. As a function of v, t is no polynomial. */
 static double bent(double t)
 {
@@ -495,6 +599,7 @@ TEST_MAIN()
     RUN_TEST(test_an_arc_that_folds_between_nodes_keeps_its_rows);
     RUN_TEST(test_rows_near_the_turn_of_a_curve_are_its_chords);
     RUN_TEST(test_an_arc_with_one_end_like_a_polynomial_keeps_its_rows);
+    RUN_TEST(test_the_rows_of_any_curve_are_what_is_inside);
     RUN_TEST(test_a_long_arc_is_divided_into_parts);
     RUN_TEST(test_a_corner_exactly_in_a_row_leaves_no_gap);
     RUN_TEST(test_an_arc_ends_before_the_row_of_its_end);

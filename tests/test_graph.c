@@ -196,12 +196,17 @@ static void test_advice_takes_the_best_connected_camera(void)
     ASSERT_UNTOUCHED(advice[1]);
     ASSERT_REFUSED(RIGCAL_ERR_CAPACITY, advice,
                    rigcal_rig_advise(advice, 0, &n, links, &r.rig));
-    r.group[2] = 4;
-    ASSERT_REFUSED(RIGCAL_ERR_RANGE, advice,
-                   rigcal_rig_advise(advice, 3, &n, links, &r.rig));
-    r.group[2] = -1;
-    ASSERT_REFUSED(RIGCAL_ERR_RANGE, advice,
-                   rigcal_rig_advise(advice, 3, &n, links, &r.rig));
+    for (int c = 0; c < 4; c++) {
+        const int32_t group = r.group[c];
+
+        r.group[c] = 4;
+        ASSERT_REFUSED(RIGCAL_ERR_RANGE, advice,
+                       rigcal_rig_advise(advice, 3, &n, links, &r.rig));
+        r.group[c] = -1;
+        ASSERT_REFUSED(RIGCAL_ERR_RANGE, advice,
+                       rigcal_rig_advise(advice, 3, &n, links, &r.rig));
+        r.group[c] = group;
+    }
 }
 
 /* The only two cameras of a group share the same with it. */

@@ -211,6 +211,42 @@ static void test_swapped_cameras_are_told(void)
     TEST_ASSERT_EQUAL_INT32(3, cause.camera);
 }
 
+/* The view is of camera 0. But camera 0 has a view of this placement that agrees. It does
+ * not matter that its view of the placement before or after is left out. */
+static void test_a_view_is_swapped_only_with_one_of_its_placement(void)
+{
+    static rigcal_camera lens;
+
+    WANTS_BOARDS;
+    for (int shift = -1; shift < 2; shift += 2) {
+        make(3450, 4, 8);
+        lens = b.camera;
+        lens.fx = lens.fy = 1000;
+        for (size_t v = 0; v < b.rig.n_views; v++) {
+            if (b.views[v].camera == 3) {
+                b.views[v].view.camera = &lens;
+                for (int i = 0; i < BOARD_POINTS; i++) { /* 1.25 times as large */
+                    b.o[v][i].uv[0] =
+                        b.camera.cx + (b.o[v][i].uv[0] - b.camera.cx) * RC(1.25);
+                    b.o[v][i].uv[1] =
+                        b.camera.cy + (b.o[v][i].uv[1] - b.camera.cy) * RC(1.25);
+                }
+            }
+        }
+        const int one = test_boards_view(&b, 3, 3), two = test_boards_view(&b, 0, 3);
+        const int other = test_boards_view(&b, 0, 3 + shift);
+        test_boards_replace(&b, one, two);
+        test_boards_reverse(&b, other);
+        judge();
+        TEST_ASSERT_TRUE(b.left_out[one] && !b.left_out[two] && b.left_out[other]);
+        TEST_ASSERT_EQUAL_INT32(RIGCAL_CAUSE_UNKNOWN, cause_of(one).cause);
+        b.left_out[two] = 1;
+        const rigcal_cause cause = cause_of(one);
+        TEST_ASSERT_EQUAL_INT32(RIGCAL_CAUSE_SWAPPED, cause.cause);
+        TEST_ASSERT_EQUAL_INT32(0, cause.camera);
+    }
+}
+
 /* A view is replaced by one of a placement that is not near in time: it has no cause. */
 static void test_of_other_views_the_cause_is_unknown(void)
 {
@@ -910,6 +946,7 @@ TEST_MAIN()
     RUN_TEST(test_of_two_cameras_a_view_of_another_placement_is_told);
     RUN_TEST(test_of_a_target_that_stood_still_the_shift_is_open);
     RUN_TEST(test_swapped_cameras_are_told);
+    RUN_TEST(test_a_view_is_swapped_only_with_one_of_its_placement);
     RUN_TEST(test_of_other_views_the_cause_is_unknown);
     RUN_TEST(test_a_camera_is_late);
     RUN_TEST(test_a_camera_is_early);

@@ -389,6 +389,30 @@ static void test_a_descent_takes_ten_evaluations(void)
     TEST_ASSERT_GREATER_THAN_INT(descents * 9 / 10, better);
 }
 
+/* After a pose was found, a direction that costs more than 100 times the least is not worth
+ * a start, unless the target is flat. */
+static void test_a_hopeless_direction_is_no_start(void)
+{
+    test_rng rng = test_seed(118);
+    for (int trial = 0; trial < TEST_TRIALS(400); trial++) {
+        test_problem p;
+        rigcal_search s;
+        test_random_problem(&p, &rng, MANY, TEST_GENERAL);
+        test_add_noise(&p, &rng, 0.1);
+        begin(&s, &p);
+        TEST_ASSERT_EQUAL_INT32(RC_SEEDS_START, next_start(&s));
+        keep(&s, p.scene.R, p.scene.t, 0);
+        while (next_start(&s) == RC_SEEDS_START) {
+            const rigcal_lattice *const lattice = &s.from.lattice;
+            rigcal_real m3[3];
+            rc_mat3_tmul_vec3(m3, start_of(&s)->R, s.axis);
+            TEST_ASSERT_TRUE(s.is_flat ||
+                             D(rc_direction_cost(&lattice->moments, m3)) <=
+                                 (1 + TOL(1e-9, 1e-3)) * 100 * D(lattice->least_cost));
+        }
+    }
+}
+
 /* A descent takes ten steps. It takes one step to see that a seed leads downhill to a pose
  * that was found. */
 static void test_a_seed_on_the_way_to_the_pose_found_takes_no_descent(void)
@@ -957,6 +981,7 @@ TEST_MAIN()
     RUN_TEST(test_a_start_of_an_exact_view_is_near_its_pose);
     RUN_TEST(test_no_start_leads_to_what_has_been_found);
     RUN_TEST(test_a_descent_takes_ten_evaluations);
+    RUN_TEST(test_a_hopeless_direction_is_no_start);
     RUN_TEST(test_a_seed_on_the_way_to_the_pose_found_takes_no_descent);
     RUN_TEST(test_a_flat_target_has_a_start_near_its_second_minimum);
     RUN_TEST(test_a_flat_target_seen_head_on_has_starts_that_lean);

@@ -1,5 +1,7 @@
 /* cause: why a view, or most views of a camera, contradict the others. The truth: rigs in
  * which the test made that error. */
+#include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "rigcal_solvers.h"
@@ -359,6 +361,41 @@ static void test_a_camera_is_turned_about_a_far_origin(void)
     TEST_ASSERT_EQUAL_INT32(RIGCAL_CAUSE_TURNED, cause.cause);
     TEST_ASSERT_EQUAL_INT32(TURNED, cause.permutation);
     TEST_ASSERT_TRUE(cause.n_agree >= 7);
+}
+
+/* All views of camera 2 are turned, and moved by some pixels, each in its own way. */
+static rigcal_cause cause_of_moved(uint64_t seed, double px, double origin)
+{
+    make(seed, 3, 8);
+    shift_origin(origin, 0.75 * origin);
+    for (int f = 0; f < 8; f++) {
+        const int v = test_boards_view(&b, 2, f);
+
+        test_boards_reverse(&b, v);
+        for (int i = 0; i < BOARD_POINTS; i++) {
+            b.o[v][i].uv[0] += RC(px * ((f * 5) % 8 - 3.5));
+            b.o[v][i].uv[1] += RC(px * ((f * 3) % 8 - 3.5));
+        }
+    }
+    (void)judged();
+    b.judgement.sigma_px = RC(NOISE);
+    b.judgement.scale = 1;
+    return camera_cause(2);
+}
+
+/* How many views agree does not depend on where the target has its origin. */
+static void test_the_origin_of_the_target_does_not_matter(void)
+{
+    WANTS_BOARDS;
+    for (int trial = 0; trial < TEST_TRIALS(8); trial++) {
+        const double px = 0.25 * pow(1.6, trial / 2);
+        const uint64_t seed = 3750 + (uint64_t)trial;
+        const rigcal_cause middle = cause_of_moved(seed, px, 0);
+        const rigcal_cause far = cause_of_moved(seed, px, 5);
+
+        TEST_ASSERT_TRUE(abs(far.n_agree - middle.n_agree) <= TOL(0, 1));
+        TEST_ASSERT_EQUAL_INT32(middle.cause, far.cause);
+    }
 }
 
 /* Only one view of the camera shows the whole board. All other views, of other cameras too,
@@ -952,6 +989,7 @@ TEST_MAIN()
     RUN_TEST(test_a_camera_is_early);
     RUN_TEST(test_all_views_of_a_camera_are_turned);
     RUN_TEST(test_a_camera_is_turned_about_a_far_origin);
+    RUN_TEST(test_the_origin_of_the_target_does_not_matter);
     RUN_TEST(test_a_turn_is_found_from_the_view_that_shows_the_whole_target);
     RUN_TEST(test_of_a_camera_with_other_views_the_cause_is_unknown);
     RUN_TEST(test_the_view_with_which_most_agree_may_be_any);

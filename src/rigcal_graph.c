@@ -168,16 +168,16 @@ rigcal_status rigcal_rig_advise(rigcal_advice advice[], size_t capacity, size_t 
         }
     }
     const int32_t groups = groups_of(rig);
-    rigcal_real most = -1, total;
-    int32_t hub = -1, hub_group = -1;
-    const size_t lines = (groups > 1) ? (size_t)groups - 1 : 0;
+    rigcal_real most = 0, total;
+    int32_t hub = -1, hub_group = 0;
+    const size_t lines = (size_t)groups - 1;
     if (capacity < lines) {
         return RIGCAL_ERR_CAPACITY;
     }
     *n = lines;
     for (int32_t g = 0; g < groups; g++) {
         const int32_t best = best_of(&total, links, rig, g);
-        if (total > most) {
+        if (hub < 0 || total > most) {
             most = total;
             hub = best;
             hub_group = g;

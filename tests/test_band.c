@@ -231,6 +231,107 @@ static void test_near_the_epipole_of_b_a_candidate_has_no_depth(void)
     ASSERT_NEAR(8.0 / 7 * hypot(1, 0.02), match.depth_a, TOL(1e-12, 1e-5));
 }
 
+/* A ray near the direction of t, from which it is `sines` standard deviations away. A pixel
+ * turns it by columns of D across it, in any way. The largest variance of a direction across
+ * is looked for among all. */
+static rigcal_status test_beside_t(double sines, test_rng *rng)
+{
+    double t[3], across[2][3], D_0[3], D_1[3], largest = 0;
+    rigcal_match match;
+    rigcal_ray ray;
+
+    for (int k = 0; k < 3; k++) {
+        t[k] = D(band.along) * D(band.ray[k]) + D(band.across) * D(band.towards[k]);
+        across[1][k] = test_normal(rng);
+    }
+    test_cross(across[0], t, across[1]);
+    test_cross(across[1], t, across[0]);
+    const double by_t = 1 / test_norm(t),
+                 by[2] = {1 / test_norm(across[0]), 1 / test_norm(across[1])};
+    const double a = 2e-3 * test_normal(rng), b = 2e-3 * test_normal(rng);
+    const double c = 2e-3 * test_normal(rng), d = 2e-3 * test_normal(rng);
+
+    for (int k = 0; k < 3; k++) {
+        D_0[k] = a * by[0] * across[0][k] + b * by[1] * across[1][k];
+        D_1[k] = c * by[0] * across[0][k] + d * by[1] * across[1][k];
+        ray.D[2 * k] = RC(D_0[k]);
+        ray.D[2 * k + 1] = RC(D_1[k]);
+    }
+    for (int i = 0; i < 2000; i++) {
+        double way[3], pixel = i * TEST_PI / 2000;
+
+        for (int k = 0; k < 3; k++) {
+            way[k] = cos(pixel) * D_0[k] + sin(pixel) * D_1[k];
+        }
+        largest = fmax(largest, test_dot(way, way));
+    }
+    const double sigma_b = D(band.sigma_b), turn = test_uniform(rng, 0, 6);
+    const double sine = sines * sqrt(D(band.epipole2) + sigma_b * sigma_b * largest);
+
+    for (int k = 0; k < 3; k++) {
+        ray.m[k] = RC(
+            sqrt(1 - sine * sine) * by_t * t[k] +
+            sine * (cos(turn) * by[0] * across[0][k] + sin(turn) * by[1] * across[1][k]));
+    }
+    return rigcal_band_test_ray(&match, &band, &ray);
+}
+
+static void test_within_three_deviations_of_the_epipole_there_is_no_depth(void)
+{
+    static const double before[3] = {0.2, 0.1, 1};
+    const rigcal_real uv_a[2] = {400, 240};
+    test_rng rng = test_seed(5201);
+
+    look_the_same_way(before, 0.5);
+    scene.pair.Sigma[21] = scene.pair.Sigma[28] = scene.pair.Sigma[35] = RC(1e-7);
+    ASSERT_STATUS(RIGCAL_OK, rigcal_band_make(&band, &scene.pair, uv_a));
+    for (int trial = 0; trial < TEST_TRIALS(300); trial++) {
+        const rigcal_status far = test_beside_t(3.05, &rng);
+
+        ASSERT_STATUS(RIGCAL_ERR_EPIPOLE, test_beside_t(2.95, &rng));
+        TEST_ASSERT_TRUE(far == RIGCAL_OK || far == RIGCAL_ERR_BEHIND);
+    }
+}
+
+/* The ray is exactly that of the centre of a. Nothing is uncertain but the line: the square
+ * of the noise is below all numbers. */
+static void test_the_epipole_of_b_itself_has_no_depth(void)
+{
+    static const double beside[3] = {1, 0, 0};
+    const rigcal_real uv[2] = {330, 240};
+    const rigcal_ray ray = {{0, 1, 0}, {RC(0.001), 0, 0, 0, 0, RC(0.001)}};
+    rigcal_match match;
+
+    look_the_same_way(beside, 0.5);
+    ASSERT_STATUS(RIGCAL_OK, rigcal_band_make(&band, &scene.pair, uv));
+    memset(band.ray, 0, sizeof band.ray);
+    memset(band.towards, 0, sizeof band.towards);
+    memset(band.line, 0, sizeof band.line);
+    band.ray[0] = band.towards[1] = band.line[2] = band.across = 1;
+    band.along = band.epipole2 = 0;
+    band.sigma_b = RC(TOL(1e-200, 1e-30));
+    ASSERT_REFUSED(RIGCAL_ERR_EPIPOLE, match, rigcal_band_test_ray(&match, &band, &ray));
+}
+
+/* The covariance of a line may be larger than any coordinate. Then its width is beyond all
+ * images. */
+static void test_a_line_may_be_as_unsure_as_it_wants(void)
+{
+    static const double beside[3] = {1, 0, 0};
+    const rigcal_real uv[2] = {330, 240}, left[2] = {300, 240};
+    rigcal_match match;
+
+    for (int k = 0; k < 6; k++) {
+        look_the_same_way(beside, 0.5);
+        ASSERT_STATUS(RIGCAL_OK, rigcal_band_make(&band, &scene.pair, uv));
+        ASSERT_STATUS(RIGCAL_OK, rigcal_band_test(&match, &band, left));
+        band.Sigma_line[0] = band.Sigma_line[3] = band.Sigma_line[5] = RC(1e30);
+        ASSERT_REFUSED(RIGCAL_ERR_DEGENERATE, match, rigcal_band_test(&match, &band, left));
+        band.Sigma_line[k] = RC(4e30);
+        ASSERT_REFUSED(RIGCAL_ERR_DEGENERATE, match, rigcal_band_test(&match, &band, left));
+    }
+}
+
 static void test_parallel_rays_have_no_depth(void)
 {
     static const double beside[3] = {1, 0, 0};
@@ -382,6 +483,9 @@ TEST_MAIN()
     RUN_TEST(test_near_the_epipole_of_a_there_is_no_band);
     RUN_TEST(test_a_calibration_that_is_unsure_widens_the_epipole);
     RUN_TEST(test_near_the_epipole_of_b_a_candidate_has_no_depth);
+    RUN_TEST(test_within_three_deviations_of_the_epipole_there_is_no_depth);
+    RUN_TEST(test_the_epipole_of_b_itself_has_no_depth);
+    RUN_TEST(test_a_line_may_be_as_unsure_as_it_wants);
     RUN_TEST(test_parallel_rays_have_no_depth);
     RUN_TEST(test_one_centre_has_no_band);
     RUN_TEST(test_beyond_the_lens_there_is_no_ray);

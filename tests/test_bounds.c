@@ -8,6 +8,7 @@
 
 #include "count_hooks.h"
 #include "rc_direction.h"
+#include "rc_outline.h"
 #include "test_support.h"
 
 /* ---- counting ------------------------------------------------------------ */
@@ -357,7 +358,7 @@ static void test_a_point_takes_at_most_50_evaluations(void)
         keep_largest(&evals, triangulation_evals(&v));
     }
     TEST_ASSERT_LESS_OR_EQUAL_INT(50, evals);
-    TEST_ASSERT_GREATER_OR_EQUAL_INT(TOL(40, 30), evals);
+    TEST_ASSERT_GREATER_OR_EQUAL_INT(TOL(50, 30), evals);
 }
 
 /* For exact pixels the first evaluation shows that nothing is left to gain. Their noise is
@@ -381,6 +382,29 @@ static void test_a_point_usually_takes_2_or_3_evaluations_and_of_exact_pixels_1(
         TEST_ASSERT_LESS_OR_EQUAL_INT(20, count);
     }
     TEST_ASSERT_LESS_OR_EQUAL_INT(60, many);
+}
+
+/* ---- outline ------------------------------------------------------------- */
+
+/* v = 100 t^4 - 1e-18 is so flat where it crosses row 0 that Newton's method, u = 2000 t
+ * along the row, does not end before its last step. Each step takes one absolute value. */
+static void test_a_crossing_takes_at_most_24_steps(void)
+{
+    static const rigcal_real u[RIGCAL_SPANS_NODES] = {0, 2000, 4000, 6000, 8000};
+    static const rigcal_real v[RIGCAL_SPANS_NODES] = {RC(-1e-18), 100, 1600, 8100, 25600};
+    static rigcal_outline outline;
+    rigcal_span spans[RIGCAL_SPANS_ROW];
+
+    rc_outline_begin(&outline, 60);
+    rc_outline_add(&outline, u, v);
+    rc_outline_close(&outline);
+    watch("crossing_of_t", HOOK_FABS);
+    for (int32_t row = 0; row < 60; row++) {
+        watched.count = 0;
+        (void)rc_outline_row(spans, &outline, row, 9000);
+        TEST_ASSERT_LESS_OR_EQUAL_INT(row > 0 ? 8 : 24, watched.count);
+        TEST_ASSERT_TRUE(row > 0 || watched.count == 24);
+    }
 }
 
 /* ---- transform ----------------------------------------------------------- */
@@ -889,6 +913,7 @@ TEST_MAIN()
     RUN_TEST(test_a_pixel_usually_takes_one_solve_of_3_to_6_and_a_proof_of_1_to_3);
     RUN_TEST(test_a_point_takes_at_most_50_evaluations);
     RUN_TEST(test_a_point_usually_takes_2_or_3_evaluations_and_of_exact_pixels_1);
+    RUN_TEST(test_a_crossing_takes_at_most_24_steps);
     RUN_TEST(test_a_mean_takes_at_most_20_iterations);
     RUN_TEST(test_neldermead_spends_max_evals_and_no_more);
     RUN_TEST(test_the_published_search_spends_max_evals_and_no_more);

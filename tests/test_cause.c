@@ -1,5 +1,7 @@
 /* cause: why a view, or most views of a camera, contradict the others. The truth: rigs in
  * which the test made that error. */
+#include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "rigcal_solvers.h"
@@ -147,6 +149,24 @@ static void test_a_view_of_the_placement_before_or_after_is_told(void)
     }
 }
 
+/* What one other camera saw of the placement before or after is enough. */
+static void test_of_two_cameras_a_view_of_another_placement_is_told(void)
+{
+    WANTS_BOARDS;
+    for (int trial = 0; trial < 4; trial++) {
+        const int c = trial % 2, shift = trial / 2 ? 1 : -1;
+
+        make(3250 + (uint64_t)trial, 2, 8);
+        const int v = test_boards_view(&b, c, 4);
+        test_boards_replace(&b, v, test_boards_view(&b, c, 4 + shift));
+        judge();
+        TEST_ASSERT_EQUAL_INT32(RIGCAL_VIEW_ONE_OF_TWO, b.judged[v].verdict);
+        const rigcal_cause cause = cause_of(v);
+        TEST_ASSERT_EQUAL_INT32(RIGCAL_CAUSE_SHIFTED, cause.cause);
+        TEST_ASSERT_EQUAL_INT32(shift, cause.shift);
+    }
+}
+
 /* The placements before and after are the same: the target stood still. */
 static void test_of_a_target_that_stood_still_the_shift_is_open(void)
 {
@@ -191,6 +211,42 @@ static void test_swapped_cameras_are_told(void)
     cause = cause_of(two);
     TEST_ASSERT_EQUAL_INT32(RIGCAL_CAUSE_SWAPPED, cause.cause);
     TEST_ASSERT_EQUAL_INT32(3, cause.camera);
+}
+
+/* The view is of camera 0. But camera 0 has a view of this placement that agrees. It does
+ * not matter that its view of the placement before or after is left out. */
+static void test_a_view_is_swapped_only_with_one_of_its_placement(void)
+{
+    static rigcal_camera lens;
+
+    WANTS_BOARDS;
+    for (int shift = -1; shift < 2; shift += 2) {
+        make(3450, 4, 8);
+        lens = b.camera;
+        lens.fx = lens.fy = 1000;
+        for (size_t v = 0; v < b.rig.n_views; v++) {
+            if (b.views[v].camera == 3) {
+                b.views[v].view.camera = &lens;
+                for (int i = 0; i < BOARD_POINTS; i++) { /* 1.25 times as large */
+                    b.o[v][i].uv[0] =
+                        b.camera.cx + (b.o[v][i].uv[0] - b.camera.cx) * RC(1.25);
+                    b.o[v][i].uv[1] =
+                        b.camera.cy + (b.o[v][i].uv[1] - b.camera.cy) * RC(1.25);
+                }
+            }
+        }
+        const int one = test_boards_view(&b, 3, 3), two = test_boards_view(&b, 0, 3);
+        const int other = test_boards_view(&b, 0, 3 + shift);
+        test_boards_replace(&b, one, two);
+        test_boards_reverse(&b, other);
+        judge();
+        TEST_ASSERT_TRUE(b.left_out[one] && !b.left_out[two] && b.left_out[other]);
+        TEST_ASSERT_EQUAL_INT32(RIGCAL_CAUSE_UNKNOWN, cause_of(one).cause);
+        b.left_out[two] = 1;
+        const rigcal_cause cause = cause_of(one);
+        TEST_ASSERT_EQUAL_INT32(RIGCAL_CAUSE_SWAPPED, cause.cause);
+        TEST_ASSERT_EQUAL_INT32(0, cause.camera);
+    }
 }
 
 /* A view is replaced by one of a placement that is not near in time: it has no cause. */
@@ -266,6 +322,8 @@ static void test_all_views_of_a_camera_are_turned(void)
 
         TEST_ASSERT_EQUAL_INT32(RIGCAL_CAUSE_TURNED, cause.cause);
         TEST_ASSERT_EQUAL_INT32(TURNED, cause.permutation);
+        TEST_ASSERT_EQUAL_INT32(0, cause.shift);
+        TEST_ASSERT_EQUAL_INT32(-1, cause.camera);
         TEST_ASSERT_TRUE(cause.n_agree >= 7);
         TEST_ASSERT_EQUAL_INT32(8, cause.n_views);
     }
@@ -305,6 +363,72 @@ static void test_a_camera_is_turned_about_a_far_origin(void)
     TEST_ASSERT_TRUE(cause.n_agree >= 7);
 }
 
+/* All views of camera 2 are turned, and moved by some pixels, each in its own way. */
+static rigcal_cause cause_of_moved(uint64_t seed, double px, double origin)
+{
+    make(seed, 3, 8);
+    shift_origin(origin, 0.75 * origin);
+    for (int f = 0; f < 8; f++) {
+        const int v = test_boards_view(&b, 2, f);
+
+        test_boards_reverse(&b, v);
+        for (int i = 0; i < BOARD_POINTS; i++) {
+            b.o[v][i].uv[0] += RC(px * ((f * 5) % 8 - 3.5));
+            b.o[v][i].uv[1] += RC(px * ((f * 3) % 8 - 3.5));
+        }
+    }
+    (void)judged();
+    b.judgement.sigma_px = RC(NOISE);
+    b.judgement.scale = 1;
+    return camera_cause(2);
+}
+
+/* How many views agree does not depend on where the target has its origin. */
+static void test_the_origin_of_the_target_does_not_matter(void)
+{
+    WANTS_BOARDS;
+    for (int trial = 0; trial < TEST_TRIALS(8); trial++) {
+        const double px = 0.25 * pow(1.6, trial / 2);
+        const uint64_t seed = 3750 + (uint64_t)trial;
+        const rigcal_cause middle = cause_of_moved(seed, px, 0);
+        const rigcal_cause far = cause_of_moved(seed, px, 5);
+
+        TEST_ASSERT_TRUE(abs(far.n_agree - middle.n_agree) <= TOL(0, 1));
+        TEST_ASSERT_EQUAL_INT32(middle.cause, far.cause);
+    }
+}
+
+/* Only one view of the camera shows the whole board. All other views, of other cameras too,
+ * have fewer points than the symmetry. So the turn of the target can be found in that view
+ * alone. */
+static void test_a_turn_is_found_from_the_view_that_shows_the_whole_target(void)
+{
+    static const int CAMERA[4] = {0, 2, 1, 2}, PLACE[4] = {0, 0, 2, 3};
+
+    WANTS_BOARDS;
+    for (int trial = 0; trial < 4; trial++) {
+        const int c = CAMERA[trial];
+
+        make(3760 + (uint64_t)trial, 3, 4);
+        for (int f = 0; f < 4; f++) {
+            test_boards_reverse(&b, test_boards_view(&b, c, f));
+        }
+        for (size_t v = 0; v < b.rig.n_views; v++) {
+            if (b.views[v].camera != c || b.views[v].placement != PLACE[trial]) {
+                b.views[v].view.n = BOARD_POINTS - 1;
+            }
+        }
+        judge();
+        for (int camera = 0; camera < 3; camera++) {
+            const rigcal_cause cause = camera_cause(camera);
+
+            TEST_ASSERT_EQUAL_INT32(
+                camera == c ? RIGCAL_CAUSE_TURNED : RIGCAL_CAUSE_UNKNOWN, cause.cause);
+            TEST_ASSERT_EQUAL_INT32(camera == c ? TURNED : -1, cause.permutation);
+        }
+    }
+}
+
 /* Random views: no two agree, turned or not. */
 static void test_of_a_camera_with_other_views_the_cause_is_unknown(void)
 {
@@ -324,6 +448,51 @@ static void test_of_a_camera_with_other_views_the_cause_is_unknown(void)
         const rigcal_cause cause = camera_cause(2);
         TEST_ASSERT_EQUAL_INT32(RIGCAL_CAUSE_UNKNOWN, cause.cause);
         TEST_ASSERT_TRUE(cause.n_agree <= 2);
+    }
+}
+
+/* The views of camera 0 say that it is farther to the right by these multiples of a step.
+ * All else is exact. */
+static rigcal_cause cause_of_shifts(const double multiple[3], double step)
+{
+    for (size_t v = 0; v < b.rig.n_views; v++) {
+        const int32_t c = b.views[v].camera, f = b.views[v].placement;
+
+        b.own[v].cam_from_target = test_times(&b.true_cams[c], &b.true_places[f]);
+        b.own[v].cam_from_target.t[0] += RC(c == 0 ? multiple[f] * step : 0);
+    }
+    return camera_cause(0);
+}
+
+/* Two views agree up to some step. Of three in a row the one in the middle agrees with both
+ * at 0.7 of it, but the outer ones not with each other. So three agree, whichever view is
+ * the one in the middle. */
+static void test_the_view_with_which_most_agree_may_be_any(void)
+{
+    static const double ONE[3] = {0, 0, 1};
+    double step = 1e-5;
+
+    WANTS_BOARDS;
+    make(4100, 3, 3);
+    ASSERT_STATUS(RIGCAL_OK, judged());
+    for (int i = 0; i < 36 * 3; i++) { /* the same for all views of a camera */
+        b.own[i / 36 * 3].information[i % 21] = b.own[0].information[i % 21];
+    }
+    memcpy(b.cams, b.true_cams, sizeof b.cams);
+    memcpy(b.places, b.true_places, sizeof b.places);
+    while (cause_of_shifts(ONE, step).n_agree == 3) {
+        step *= 1.05;
+    }
+    TEST_ASSERT_EQUAL_INT32(2, cause_of_shifts(ONE, step).n_agree);
+    for (int middle = 0; middle < 3; middle++) {
+        double multiple[3] = {-0.7, -0.7, 0.7};
+
+        multiple[middle] = 0;
+        multiple[(middle + 2) % 3] = 0.7;
+        multiple[(middle + 1) % 3] = -0.7;
+        const rigcal_cause cause = cause_of_shifts(multiple, step);
+        TEST_ASSERT_EQUAL_INT32(3, cause.n_agree);
+        TEST_ASSERT_EQUAL_INT32(3, cause.n_views);
     }
 }
 
@@ -447,6 +616,32 @@ static void test_a_single_view_does_not_say_that_its_camera_is_late(void)
     TEST_ASSERT_EQUAL_INT32(0, cause.n_views);
 }
 
+/* Nobody else saw the placement of view 6, nor that before or after. So there is nothing
+ * that the view could agree with, turned or not. */
+static void test_a_view_alone_has_no_cause(void)
+{
+    size_t n = 0;
+
+    WANTS_BOARDS;
+    make(4075, 3, 6);
+    ASSERT_STATUS(RIGCAL_OK, judged());
+    for (size_t v = 0; v < b.rig.n_views; v++) {
+        const int32_t f = b.views[v].placement;
+
+        if (f < 2 || f > 4 || (f == 3 && b.views[v].camera == 1)) {
+            b.views[n] = b.views[v];
+            b.own[n++] = b.own[v];
+        }
+    }
+    b.rig.n_views = n;
+    b.rig.left_out = NULL;
+    TEST_ASSERT_EQUAL_INT32(3, b.views[6].placement);
+    const rigcal_cause cause = cause_of(6);
+    TEST_ASSERT_EQUAL_INT32(RIGCAL_CAUSE_UNKNOWN, cause.cause);
+    TEST_ASSERT_EQUAL_INT32(-1, cause.permutation);
+    TEST_ASSERT_EQUAL_INT32(0, cause.shift);
+}
+
 /* No turn can be found for a view whose pixels are no image of the target, for one without
  * pixels, and for one whose points are too far from their origin to show their
  * directions. */
@@ -502,6 +697,7 @@ static void test_against_a_view_that_knows_no_turn_there_is_no_cause(void)
 
 static rigcal_status pose_from(rigcal_view_pose *pose, size_t index, void *context)
 {
+    TEST_ASSERT_TRUE(index < b.rig.n_views);
     *pose = ((const rigcal_view_pose *)context)[index];
     return RIGCAL_OK;
 }
@@ -521,6 +717,109 @@ static void test_poses_may_come_from_a_source(void)
     TEST_ASSERT_EQUAL_MEMORY(&expected, &cause, sizeof cause);
 }
 
+/* Sources that fail once, in the call of number `fails`. */
+static struct {
+    long calls, fails;
+} asked;
+
+static rigcal_status fail_in_turn(void)
+{
+    asked.calls++;
+    return (asked.calls == asked.fails) ? RIGCAL_ERR_WIDE_RAY : RIGCAL_OK;
+}
+
+static rigcal_status failing_pose(rigcal_view_pose *pose, size_t index, void *context)
+{
+    (void)context;
+    TEST_ASSERT_TRUE(index < b.rig.n_views);
+    *pose = b.own[index];
+    return fail_in_turn();
+}
+
+static rigcal_status failing_view(rigcal_rig_view *view, size_t index, void *context)
+{
+    (void)context;
+    TEST_ASSERT_TRUE(index < b.rig.n_views);
+    *view = b.views[index];
+    return fail_in_turn();
+}
+
+/* Whatever is read when a source fails, the status is that of the source, and there is no
+ * result. Without a failure the cause is the same as from arrays. */
+static void test_the_failure_of_a_source_is_told(void)
+{
+    WANTS_BOARDS;
+    make(4110, 3, 3);
+    test_boards_swap(&b, 4, 5);
+    judge();
+    for (int way = 0; way < 4; way++) {
+        const int is_camera = way / 2, has_views = way % 2;
+        const rigcal_cause expected = is_camera ? camera_cause(1) : cause_of(4);
+        rigcal_cause cause;
+        long calls;
+
+        b.rig.views = has_views ? NULL : b.views;
+        b.rig.view_source = has_views ? failing_view : NULL;
+        b.rig.view_poses = has_views ? b.own : NULL;
+        b.rig.view_pose_source = has_views ? NULL : failing_pose;
+        asked.fails = asked.calls = 0;
+        cause = is_camera ? camera_cause(1) : cause_of(4);
+        TEST_ASSERT_EQUAL_MEMORY(&expected, &cause, sizeof cause);
+        calls = asked.calls;
+        TEST_ASSERT_GREATER_THAN_INT(0, calls);
+        for (long k = 1; k <= calls; k += 1 + (k > 60 ? k / 8 : 0)) {
+            asked.fails = k;
+            asked.calls = 0;
+            ASSERT_REFUSED(
+                RIGCAL_ERR_WIDE_RAY, cause,
+                is_camera
+                    ? rigcal_camera_cause(&cause, &b.rig, &b.judgement, &symmetries, 1)
+                    : rigcal_rig_cause(&cause, &b.rig, &b.judgement, &symmetries, 4));
+            TEST_ASSERT_EQUAL_INT(k, asked.calls); /* nothing is read after it */
+        }
+        b.rig.views = b.views;
+        b.rig.view_poses = b.own;
+    }
+}
+
+/* The source gives no information any more after the search has begun. */
+static rigcal_status pose_without_information(rigcal_view_pose *pose, size_t index,
+                                              void *context)
+{
+    *pose = b.own[index];
+    if (*(const int *)context) {
+        memset(pose->information, 0, sizeof pose->information);
+    }
+    return RIGCAL_OK;
+}
+
+static void test_views_that_lose_their_information_are_degenerate(void)
+{
+    static rigcal_cause_solver solver;
+    static int is_lost;
+
+    WANTS_BOARDS;
+    make(4120, 3, 3);
+    test_boards_swap(&b, 4, 5);
+    judge();
+    b.rig.view_poses = NULL;
+    b.rig.view_pose_source = pose_without_information;
+    b.rig.context = &is_lost;
+    for (int way = 0; way < 4; way++) {
+        const rigcal_symmetries *const sym = (way % 2) ? &symmetries : NULL;
+        rigcal_cause cause;
+
+        is_lost = 0;
+        ASSERT_STATUS(RIGCAL_OK,
+                      way / 2
+                          ? rigcal_camera_cause_begin(&solver, &b.rig, &b.judgement, sym, 1)
+                          : rigcal_cause_begin(&solver, &b.rig, &b.judgement, sym, 4));
+        is_lost = 1;
+        ASSERT_STATUS(RIGCAL_OK, rigcal_cause_step(&solver, 100000));
+        ASSERT_REFUSED(RIGCAL_ERR_DEGENERATE, cause, rigcal_cause_result(&cause, &solver));
+    }
+}
+
 /* ---- steps and arguments --------------------------------------------------- */
 
 static void test_the_same_bits_whatever_the_budgets(void)
@@ -535,7 +834,9 @@ static void test_the_same_bits_whatever_the_budgets(void)
         const size_t number = is_camera ? 1 : (size_t)test_boards_view(&b, 1, 3);
         const rigcal_cause whole = is_camera ? camera_cause(1) : cause_of((int)number);
 
+        int units = 0; /* of all */
         for (int32_t budget = 1; budget < 60; budget += 13) {
+            int calls = 0;
             rigcal_cause cause;
             rigcal_status status =
                 is_camera ? rigcal_camera_cause_begin(&solver, &b.rig, &b.judgement,
@@ -547,7 +848,10 @@ static void test_the_same_bits_whatever_the_budgets(void)
             ASSERT_STATUS(RIGCAL_ERR_STATE, rigcal_cause_result(&cause, &solver));
             do {
                 status = rigcal_cause_step(&solver, budget);
+                calls++;
             } while (status == RIGCAL_RUNNING);
+            units = (budget == 1) ? calls : units;
+            TEST_ASSERT_EQUAL_INT((units + budget - 1) / budget, calls);
             ASSERT_STATUS(RIGCAL_OK, rigcal_cause_result(&cause, &solver));
             TEST_ASSERT_EQUAL_MEMORY(&whole, &cause, sizeof cause);
         }
@@ -573,6 +877,15 @@ static void test_permutations_are_checked(void)
     ASSERT_STATUS(RIGCAL_OK, CAUSE);
     symmetries.n_points = 2;
     ASSERT_REFUSED(RIGCAL_ERR_TOO_FEW, cause, CAUSE);
+    symmetries.n_points = 3; /* the fewest of a target: the points take turns */
+    symmetries.n_permutations = 1;
+    for (int32_t i = 0; i < 3; i++) {
+        permutations[i] = (i + 1) % 3;
+    }
+    ASSERT_STATUS(RIGCAL_OK, CAUSE);
+    TEST_ASSERT_EQUAL_INT32(RIGCAL_CAUSE_UNKNOWN, cause.cause);
+    symmetries.n_permutations = PERMUTATIONS;
+    fill_permutations();
     symmetries.n_points = BOARD_POINTS / 2; /* no view has this number of points */
     permutations[5] = 0;
     symmetries.n_permutations = 1;
@@ -608,6 +921,10 @@ static void test_counts_of_symmetries_are_checked(void)
     symmetries.n_points = BOARD_POINTS;
     symmetries.n_permutations = SIZE_MAX;
     ASSERT_REFUSED(RIGCAL_ERR_RANGE, cause, CAUSE);
+    symmetries.n_points = 2; /* a count that can be is no reason to refuse */
+    symmetries.n_permutations = (size_t)1 << 28;
+    ASSERT_REFUSED(RIGCAL_ERR_TOO_FEW, cause, CAUSE);
+    symmetries.n_points = BOARD_POINTS;
     symmetries.n_permutations = 0;
     ASSERT_STATUS(RIGCAL_OK, CAUSE);
     TEST_ASSERT_NOT_EQUAL_INT32(RIGCAL_CAUSE_TURNED, cause.cause);
@@ -646,10 +963,15 @@ static void test_a_camera_that_has_nothing_to_turn(void)
     b.rig.left_out = b.left_out;
     b.cams[3] = b.cams[2];
     b.rig.n_cameras = 4;
-    ASSERT_STATUS(RIGCAL_OK,
-                  rigcal_camera_cause(&cause, &b.rig, &b.judgement, &symmetries, 3));
-    TEST_ASSERT_EQUAL_INT32(RIGCAL_CAUSE_UNKNOWN, cause.cause);
-    TEST_ASSERT_EQUAL_INT32(0, cause.n_views);
+    b.rig.view_pose_source = pose_from; /* no view beyond the last one is asked for */
+    b.rig.context = b.own;
+    for (int is_source = 0; is_source < 2; is_source++) {
+        b.rig.view_poses = is_source ? NULL : b.own;
+        ASSERT_STATUS(RIGCAL_OK,
+                      rigcal_camera_cause(&cause, &b.rig, &b.judgement, &symmetries, 3));
+        TEST_ASSERT_EQUAL_INT32(RIGCAL_CAUSE_UNKNOWN, cause.cause);
+        TEST_ASSERT_EQUAL_INT32(0, cause.n_views);
+    }
 }
 
 TEST_MAIN()
@@ -658,22 +980,30 @@ TEST_MAIN()
     RUN_TEST(test_up_to_the_limit_the_cause_is_told);
     RUN_TEST(test_of_two_views_either_may_be_turned);
     RUN_TEST(test_a_view_of_the_placement_before_or_after_is_told);
+    RUN_TEST(test_of_two_cameras_a_view_of_another_placement_is_told);
     RUN_TEST(test_of_a_target_that_stood_still_the_shift_is_open);
     RUN_TEST(test_swapped_cameras_are_told);
+    RUN_TEST(test_a_view_is_swapped_only_with_one_of_its_placement);
     RUN_TEST(test_of_other_views_the_cause_is_unknown);
     RUN_TEST(test_a_camera_is_late);
     RUN_TEST(test_a_camera_is_early);
     RUN_TEST(test_all_views_of_a_camera_are_turned);
     RUN_TEST(test_a_camera_is_turned_about_a_far_origin);
+    RUN_TEST(test_the_origin_of_the_target_does_not_matter);
+    RUN_TEST(test_a_turn_is_found_from_the_view_that_shows_the_whole_target);
     RUN_TEST(test_of_a_camera_with_other_views_the_cause_is_unknown);
+    RUN_TEST(test_the_view_with_which_most_agree_may_be_any);
     RUN_TEST(test_of_two_causes_the_nearer_is_told);
     RUN_TEST(test_of_a_target_that_goes_to_and_fro_the_shift_of_a_camera_is_open);
     RUN_TEST(test_of_a_target_that_stands_still_no_camera_is_late);
     RUN_TEST(test_a_few_views_that_are_late_are_not_the_camera);
     RUN_TEST(test_a_single_view_does_not_say_that_its_camera_is_late);
+    RUN_TEST(test_a_view_alone_has_no_cause);
     RUN_TEST(test_a_view_that_cannot_be_solved_has_no_cause);
     RUN_TEST(test_against_a_view_that_knows_no_turn_there_is_no_cause);
     RUN_TEST(test_poses_may_come_from_a_source);
+    RUN_TEST(test_the_failure_of_a_source_is_told);
+    RUN_TEST(test_views_that_lose_their_information_are_degenerate);
     RUN_TEST(test_the_same_bits_whatever_the_budgets);
     RUN_TEST(test_permutations_are_checked);
     RUN_TEST(test_counts_of_symmetries_are_checked);

@@ -196,12 +196,91 @@ static void test_advice_takes_the_best_connected_camera(void)
     ASSERT_UNTOUCHED(advice[1]);
     ASSERT_REFUSED(RIGCAL_ERR_CAPACITY, advice,
                    rigcal_rig_advise(advice, 0, &n, links, &r.rig));
-    r.group[2] = 4;
-    ASSERT_REFUSED(RIGCAL_ERR_RANGE, advice,
-                   rigcal_rig_advise(advice, 3, &n, links, &r.rig));
-    r.group[2] = -1;
-    ASSERT_REFUSED(RIGCAL_ERR_RANGE, advice,
-                   rigcal_rig_advise(advice, 3, &n, links, &r.rig));
+    for (int c = 0; c < 4; c++) {
+        const int32_t group = r.group[c];
+
+        r.group[c] = 4;
+        ASSERT_REFUSED(RIGCAL_ERR_RANGE, advice,
+                       rigcal_rig_advise(advice, 3, &n, links, &r.rig));
+        r.group[c] = -1;
+        ASSERT_REFUSED(RIGCAL_ERR_RANGE, advice,
+                       rigcal_rig_advise(advice, 3, &n, links, &r.rig));
+        r.group[c] = group;
+    }
+}
+
+/* The only two cameras of a group share the same with it. */
+static void test_of_two_that_share_as_much_the_advice_takes_the_first(void)
+{
+    test_rng rng = test_seed(508);
+    rigcal_advice advice[2];
+    size_t n;
+
+    WANTS_RIG;
+    for (int alone = 0; alone < 3; alone++) {
+        const int a = (alone == 0) ? 1 : 0, b = (alone == 2) ? 1 : 2;
+
+        test_rig_random(&r, &rng, 3, 2, 6);
+        test_rig_see(&r, &rng, b, 0, 0);
+        test_rig_see(&r, &rng, a, 0, 0);
+        test_rig_see(&r, &rng, alone, 1, 0);
+        give_poses(NULL);
+        ASSERT_STATUS(RIGCAL_DISCONNECTED, link_all());
+        ASSERT_STATUS(RIGCAL_OK, rigcal_rig_advise(advice, 2, &n, links, &r.rig));
+        TEST_ASSERT_EQUAL(1, n);
+        TEST_ASSERT_EQUAL_INT32(a, advice[0].a);
+        TEST_ASSERT_EQUAL_INT32(alone, advice[0].b);
+    }
+}
+
+/* Two groups of two cameras. The one that shares more placements is joined by the other,
+ * whichever has the lower numbers. */
+static void test_the_advice_joins_a_group_to_the_best_connected_one(void)
+{
+    test_rng rng = test_seed(514);
+    rigcal_advice advice[3];
+    size_t n;
+
+    WANTS_RIG;
+    for (int best = 0; best < 2; best++) {
+        test_rig_random(&r, &rng, 4, 4, 6);
+        for (int f = 0; f < 4; f++) {
+            const int pair = (f == 1) ? !best : best;
+
+            test_rig_see(&r, &rng, 2 * pair, f, 0);
+            test_rig_see(&r, &rng, 2 * pair + 1, f, 0);
+        }
+        give_poses(NULL);
+        ASSERT_STATUS(RIGCAL_DISCONNECTED, link_all());
+        TEST_ASSERT_EQUAL_INT32(2, n_groups);
+        ASSERT_STATUS(RIGCAL_OK, rigcal_rig_advise(advice, 3, &n, links, &r.rig));
+        TEST_ASSERT_EQUAL(1, n);
+        TEST_ASSERT_EQUAL_INT32(2 * best, advice[0].a);
+        TEST_ASSERT_EQUAL_INT32(2 * !best, advice[0].b);
+    }
+}
+
+/* Nobody saw a target together: each camera is a group, and the first is as good a partner
+ * for the rest as any. */
+static void test_where_nothing_is_shared_the_advice_joins_all_to_the_first(void)
+{
+    test_rng rng = test_seed(509);
+    rigcal_advice advice[3];
+    size_t n;
+
+    WANTS_RIG;
+    test_rig_random(&r, &rng, 4, 4, 6);
+    for (int c = 0; c < 4; c++) {
+        test_rig_see(&r, &rng, c, c, 0);
+    }
+    give_poses(NULL);
+    ASSERT_STATUS(RIGCAL_DISCONNECTED, link_all());
+    ASSERT_STATUS(RIGCAL_OK, rigcal_rig_advise(advice, 3, &n, links, &r.rig));
+    TEST_ASSERT_EQUAL(3, n);
+    for (int c = 1; c < 4; c++) {
+        TEST_ASSERT_EQUAL_INT32(0, advice[c - 1].a);
+        TEST_ASSERT_EQUAL_INT32(c, advice[c - 1].b);
+    }
 }
 
 /* Camera 2 saw only one placement of six. */
@@ -262,6 +341,26 @@ static void test_of_two_that_are_as_sure_the_first_is_told(void)
     TEST_ASSERT_EQUAL_INT32(0, weakest.other);
 }
 
+/* Of held cameras each is known exactly against each. */
+static void test_of_all_that_are_as_sure_the_first_is_the_weakest(void)
+{
+    test_rng rng = test_seed(515);
+    rigcal_weakest weakest;
+    rigcal_rig_fit fit;
+
+    WANTS_RIG;
+    test_rig_random(&r, &rng, 3, 4, 8);
+    test_rig_see_all(&r, &rng, 0.3);
+    memset(r.roles, RIGCAL_CAMERA_HELD, sizeof r.roles);
+    r.rig.roles = r.roles;
+    ASSERT_STATUS(RIGCAL_OK, rigcal_rig_adjust(&fit, NULL, &r.rig));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_rig_weakest(&weakest, &r.rig, RC(0.3)));
+    TEST_ASSERT_EQUAL_INT32(0, weakest.camera);
+    TEST_ASSERT_EQUAL_INT32(1, weakest.other);
+    ASSERT_NEAR(0, weakest.rotation, 0);
+    ASSERT_NEAR(0, weakest.translation, 0);
+}
+
 static void test_no_two_cameras_no_weakest_link(void)
 {
     test_rng rng = test_seed(505);
@@ -274,6 +373,147 @@ static void test_no_two_cameras_no_weakest_link(void)
     test_rig_see(&r, &rng, 1, 1, 0.3);
     ASSERT_STATUS(RIGCAL_DISCONNECTED, rigcal_rig_adjust(&fit, NULL, &r.rig));
     ASSERT_STATUS(RIGCAL_ERR_TOO_FEW, rigcal_rig_weakest(&weakest, &r.rig, 1));
+    test_rig_random(&r, &rng, 1, 2, 8);
+    test_rig_see_all(&r, &rng, 0.3);
+    ASSERT_STATUS(RIGCAL_OK, rigcal_rig_adjust(&fit, NULL, &r.rig));
+    ASSERT_REFUSED(RIGCAL_ERR_TOO_FEW, weakest, rigcal_rig_weakest(&weakest, &r.rig, 1));
+}
+
+static rigcal_status pose_at(rigcal_view_pose *pose, size_t index, void *context)
+{
+    *pose = r.own[index];
+    return (index == *(const size_t *)context) ? RIGCAL_ERR_NO_RAY : RIGCAL_OK;
+}
+
+/* The poses come from a source, and from an array. If the source fails, its status is told,
+ * and the view. */
+static void test_links_of_a_source_are_those_of_an_array(void)
+{
+    rigcal_link expected[RIGCAL_LINKS(3)];
+    size_t fails = 99;
+    int32_t at_fault;
+    test_rng rng = test_seed(510);
+
+    WANTS_RIG;
+    test_rig_random(&r, &rng, 3, 2, 6);
+    test_rig_see_all(&r, &rng, 0);
+    give_poses(NULL);
+    ASSERT_STATUS(RIGCAL_OK, link_all());
+    memcpy(expected, links, sizeof expected);
+    memset(links, 0, sizeof links);
+    r.rig.view_poses = NULL;
+    r.rig.view_pose_source = pose_at;
+    r.rig.context = &fails;
+    ASSERT_STATUS(RIGCAL_OK, link_all());
+    TEST_ASSERT_EQUAL_MEMORY(expected, links, sizeof expected);
+    for (fails = 0; fails < 6; fails++) {
+        ASSERT_STATUS(RIGCAL_ERR_NO_RAY,
+                      rigcal_rig_links(links, 3, &n_groups, &at_fault, &r.rig));
+        TEST_ASSERT_EQUAL_INT32((int32_t)fails, at_fault);
+    }
+}
+
+/* Each view is read once when it is checked, and once for its links. The second time the
+ * source says another camera for view 4. */
+static rigcal_status pose_of_another_camera(rigcal_view_pose *pose, size_t index,
+                                            void *context)
+{
+    int *const calls = (int *)context;
+
+    *pose = r.own[index];
+    pose->camera = (++*calls > 6 && index == 4) ? 0 : pose->camera;
+    return RIGCAL_OK;
+}
+
+static void test_a_camera_twice_in_a_placement_is_refused(void)
+{
+    test_rng rng = test_seed(516);
+    int calls = 0;
+    int32_t at_fault;
+
+    WANTS_RIG;
+    test_rig_random(&r, &rng, 3, 2, 6);
+    test_rig_see_all(&r, &rng, 0);
+    give_poses(NULL);
+    r.rig.view_poses = NULL;
+    r.rig.view_pose_source = pose_of_another_camera;
+    r.rig.context = &calls;
+    ASSERT_STATUS(RIGCAL_ERR_TWICE,
+                  rigcal_rig_links(links, 3, &n_groups, &at_fault, &r.rig));
+    r.own[4].camera = 0;
+    calls = 0;
+    ASSERT_STATUS(RIGCAL_ERR_TWICE,
+                  rigcal_rig_links(links, 3, &n_groups, &at_fault, &r.rig));
+    TEST_ASSERT_EQUAL_INT32(4, at_fault);
+}
+
+/* What rigcal_rig_work counts is enough, and one number less is not. Nothing is written
+ * beyond the memory. */
+static void test_links_take_no_more_memory_than_a_join(void)
+{
+    test_rng rng = test_seed(511);
+
+    WANTS_RIG;
+    for (size_t n = 1; n <= 4; n++) {
+        const size_t wanted = rigcal_rig_work(n - 1, n, 3),
+                     least = rigcal_rig_work(0, n, 3);
+        const size_t capacity[5] = {wanted, wanted - 1, least, least - 1, 0};
+
+        test_rig_random(&r, &rng, (int)n, 3, 6);
+        test_rig_see_all(&r, &rng, 0);
+        give_poses(NULL);
+        for (int k = 0; k < 5; k++) {
+            const int is_enough = capacity[k] >= wanted;
+
+            for (size_t i = 0; i < RIG_WORK; i++) {
+                r.work[i] = RC(-17);
+            }
+            r.rig.work_capacity = capacity[k];
+            ASSERT_STATUS(is_enough ? RIGCAL_OK : RIGCAL_ERR_CAPACITY, link_all());
+            for (size_t i = capacity[k]; i < RIG_WORK; i++) {
+                ASSERT_NEAR(-17, r.work[i], 0);
+            }
+        }
+    }
+}
+
+/* Links use the memory in which an adjustment left its covariance. */
+static void test_after_links_a_rig_is_not_adjusted(void)
+{
+    test_rng rng = test_seed(512);
+    rigcal_weakest weakest;
+    rigcal_rig_fit fit;
+
+    WANTS_RIG;
+    test_rig_random(&r, &rng, 3, 3, 8);
+    test_rig_see_all(&r, &rng, 0.3);
+    give_poses(NULL);
+    ASSERT_STATUS(RIGCAL_OK, rigcal_rig_adjust(&fit, NULL, &r.rig));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_rig_weakest(&weakest, &r.rig, 1));
+    ASSERT_STATUS(RIGCAL_OK, link_all());
+    ASSERT_REFUSED(RIGCAL_ERR_STATE, weakest,
+                   rigcal_rig_weakest(&weakest, &r.rig, RC(0.3)));
+}
+
+/* A view that is left out shares nothing, whatever its pose is. */
+static void test_what_is_left_out_shares_nothing(void)
+{
+    static const uint8_t LEFT_OUT[6] = {0, 1, 0, 0, 0, 1};
+    test_rng rng = test_seed(513);
+
+    WANTS_RIG;
+    test_rig_random(&r, &rng, 3, 2, 6);
+    test_rig_see_all(&r, &rng, 0);
+    give_poses(NULL);
+    memset(r.own[1].information, 0, sizeof r.own[1].information);
+    r.own[5].information[0] = TEST_NAN;
+    r.rig.left_out = LEFT_OUT;
+    ASSERT_STATUS(RIGCAL_OK, link_all());
+    TEST_ASSERT_EQUAL_INT32(1, links[RIGCAL_LINK(0, 1)].n_shared);
+    TEST_ASSERT_EQUAL_INT32(1, links[RIGCAL_LINK(0, 2)].n_shared);
+    TEST_ASSERT_EQUAL_INT32(0, links[RIGCAL_LINK(1, 2)].n_shared);
+    ASSERT_NEAR(50 / 3.0, links[RIGCAL_LINK(0, 1)].information, TOL(1e-12, 1e-5));
+    ASSERT_NEAR(50 / 3.0, links[RIGCAL_LINK(0, 2)].information, TOL(1e-12, 1e-5));
 }
 
 static void test_what_is_refused(void)
@@ -317,8 +557,17 @@ TEST_MAIN()
     RUN_TEST(test_links_by_hand);
     RUN_TEST(test_advice_connects_every_rig);
     RUN_TEST(test_advice_takes_the_best_connected_camera);
+    RUN_TEST(test_of_two_that_share_as_much_the_advice_takes_the_first);
+    RUN_TEST(test_the_advice_joins_a_group_to_the_best_connected_one);
+    RUN_TEST(test_where_nothing_is_shared_the_advice_joins_all_to_the_first);
     RUN_TEST(test_the_weakest_link);
     RUN_TEST(test_of_two_that_are_as_sure_the_first_is_told);
+    RUN_TEST(test_of_all_that_are_as_sure_the_first_is_the_weakest);
     RUN_TEST(test_no_two_cameras_no_weakest_link);
+    RUN_TEST(test_links_of_a_source_are_those_of_an_array);
+    RUN_TEST(test_a_camera_twice_in_a_placement_is_refused);
+    RUN_TEST(test_links_take_no_more_memory_than_a_join);
+    RUN_TEST(test_after_links_a_rig_is_not_adjusted);
+    RUN_TEST(test_what_is_left_out_shares_nothing);
     RUN_TEST(test_what_is_refused);
 }

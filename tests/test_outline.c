@@ -1,6 +1,7 @@
 /* outline: the spans of a closed curve that is given piece by piece. The truth: a
  * circle. */
 #include <math.h>
+#include <string.h>
 
 #include "rc_outline.h"
 #include "test_support.h"
@@ -97,8 +98,12 @@ static void test_an_empty_outline_has_no_rows(void)
     int32_t last;
 
     rc_outline_begin(&outline, 60);
+    add_circle(50, 30, 20, 0.1, 1); /* forgotten by the next one */
     rc_outline_close(&outline);
-    TEST_ASSERT_TRUE(rc_outline_rows(&last, &outline) > last);
+    rc_outline_begin(&outline, 60);
+    rc_outline_close(&outline);
+    TEST_ASSERT_EQUAL_INT32(60, rc_outline_rows(&last, &outline));
+    TEST_ASSERT_EQUAL_INT32(-1, last);
     TEST_ASSERT_EQUAL_UINT64(0, rc_outline_row(spans, &outline, 3, 100));
 }
 
@@ -273,6 +278,295 @@ static void test_an_arc_that_folds_between_nodes_keeps_its_rows(void)
     }
 }
 
+/* A valley of the curve, u = 20 t and v = 10 + 40 (t - bottom)^2, closed by a border. Its
+ * bottom may be anywhere between two nodes. */
+static void test_rows_near_the_turn_of_a_curve_are_its_chords(void)
+{
+    for (int k = 1; k < 80; k++) {
+        const double bottom = k / 20.0, least = 10, steep = 40;
+        rigcal_real u[RIGCAL_SPANS_NODES], v[RIGCAL_SPANS_NODES];
+
+        for (int i = 0; i <= LAST; i++) {
+            u[i] = RC(20 * i);
+            v[i] = RC(least + steep * (i - bottom) * (i - bottom));
+        }
+        rc_outline_begin(&outline, 900);
+        rc_outline_add(&outline, u, v);
+        add_edge(80, D(v[LAST]), D(v[0]));
+        rc_outline_close(&outline);
+        for (int32_t row = 11; row < 50; row++) {
+            const double half = 20 * sqrt((row - least) / steep), left = 20 * bottom - half;
+
+            if (left > 0 && left + 2 * half < 80) {
+                assert_row(row, left, left + 2 * half, 100);
+            }
+        }
+    }
+}
+
+/* v = 3 t^2 + t / 2 rises all the way. */
+static double rise(double t)
+{
+    return t * (3 * t + 0.5);
+}
+
+/* How far t^power is, at this t, from the polynomial in v that is the same at the nodes. */
+static double off_direct(int power, double t)
+{
+    double off = pow(t, power);
+
+    for (int i = 0; i <= LAST; i++) {
+        double part = pow(i, power);
+
+        for (int j = 0; j <= LAST; j++) {
+            part *= (j == i) ? 1 : (rise(t) - rise(j)) / (rise(i) - rise(j));
+        }
+        off -= part;
+    }
+    return off;
+}
+
+/* u = 40 (t + k t^3) is near a polynomial in v at one end of the arc only: k makes it one
+ * exactly, half-way between the first two nodes or the last two. */
+static void test_an_arc_with_one_end_like_a_polynomial_keeps_its_rows(void)
+{
+    for (int end = 0; end < 2; end++) {
+        const double fits = end ? 3.5 : 0.5, k = -off_direct(1, fits) / off_direct(3, fits);
+        rigcal_real u[RIGCAL_SPANS_NODES], v[RIGCAL_SPANS_NODES];
+
+        TEST_ASSERT_TRUE(40 * fabs(off_direct(1, 4 - fits) + k * off_direct(3, 4 - fits)) >
+                         2);
+        for (int i = 0; i <= LAST; i++) {
+            u[i] = RC(40 * (i + k * i * i * i));
+            v[i] = RC(rise(i));
+        }
+        rc_outline_begin(&outline, 60);
+        rc_outline_add(&outline, u, v);
+        add_edge(D(u[LAST]), D(v[LAST]), 0);
+        rc_outline_close(&outline);
+        for (int32_t row = 1; row < 50; row++) {
+            const double t = (sqrt(0.25 + 12 * row) - 0.5) / 6;
+
+            assert_row(row, 40 * (t + k * t * t * t), D(u[LAST]), 10000);
+        }
+    }
+}
+
+static double quartic(const double c[RIGCAL_SPANS_NODES], double t)
+{
+    return c[0] + t * (c[1] + t * (c[2] + t * (c[3] + t * c[4])));
+}
+
+/* A random curve of degree 4, without two turns of v between two nodes. */
+static void random_quartic(double c[2][RIGCAL_SPANS_NODES], test_rng *rng)
+{
+    enum { FINE = 100 };
+    int is_folded;
+
+    do {
+        int turns[LAST] = {0};
+
+        for (int axis = 0; axis < 2; axis++) {
+            for (int k = 0; k <= LAST; k++) {
+                c[axis][k] = test_uniform(rng, -40, 40) / pow(2, k);
+            }
+            c[axis][0] += 60;
+        }
+        is_folded = 0;
+        for (int i = 1; i < LAST * FINE; i++) {
+            const double t = i / (double)FINE;
+            const double before = quartic(c[1], t - 0.01), at = quartic(c[1], t);
+
+            turns[i / FINE] += (at - before) * (quartic(c[1], t + 0.01) - at) <= 0;
+        }
+        for (int i = 0; i < LAST; i++) {
+            is_folded |= turns[i] > 1;
+        }
+    } while (is_folded);
+}
+
+/* A point is inside the outline if a line from it to the left crosses the outline an odd
+ * number of times. The curve is followed in small straight steps. Rows that it grazes are
+ * left out: far from the image its nodes are large, and in float rounded to 1e-4. */
+static void test_the_rows_of_any_curve_are_what_is_inside(void)
+{
+    enum { WIDTH = 120, HEIGHT = 120, STEPS = 2000 };
+    static double at[STEPS + 4][2];
+    test_rng rng = test_seed(4712);
+
+    TEST_WANTS_RAM(sizeof at + 20000);
+    for (int trial = 0; trial < TEST_TRIALS(300); trial++) {
+        double c[2][RIGCAL_SPANS_NODES], corner[2];
+        rigcal_real u[RIGCAL_SPANS_NODES], v[RIGCAL_SPANS_NODES];
+        int n = 0;
+
+        random_quartic(c, &rng);
+        corner[0] = test_uniform(&rng, 0, 120);
+        corner[1] = test_uniform(&rng, 0, 120);
+        for (; n <= STEPS; n++) {
+            at[n][0] = quartic(c[0], LAST * n / (double)STEPS);
+            at[n][1] = quartic(c[1], LAST * n / (double)STEPS);
+        }
+        memcpy(at[n++], corner, sizeof corner);
+        memcpy(at[n++], at[0], sizeof corner);
+        rc_outline_begin(&outline, HEIGHT);
+        for (int side = 0; side < 3; side++) {
+            for (int i = 0; i <= LAST; i++) {
+                const double part = i / (double)LAST;
+                const double *const p = at[side == 0 ? 0 : STEPS + side - 1];
+                const double *const q = at[STEPS + side];
+
+                u[i] = RC(side ? p[0] + part * (q[0] - p[0]) : quartic(c[0], i));
+                v[i] = RC(side ? p[1] + part * (q[1] - p[1]) : quartic(c[1], i));
+            }
+            rc_outline_add(&outline, u, v);
+        }
+        rc_outline_close(&outline);
+        TEST_ASSERT_FALSE(outline.is_full);
+        for (int32_t row = 0; row < HEIGHT; row++) {
+            double crossing[16];
+            int n_crossings = 0, is_grazed = 0;
+            rigcal_span spans[RIGCAL_SPANS_ROW];
+            const size_t n_spans = rc_outline_row(spans, &outline, row, WIDTH);
+
+            for (int i = 1; i < n && n_crossings < 16; i++) {
+                const double *const p = at[i - 1], *const q = at[i];
+
+                is_grazed |= fabs(p[1] - row) < TOL(0.01, 0.05) &&
+                             fabs(q[1] - row) < TOL(0.01, 0.05);
+                if ((p[1] < row) != (q[1] < row)) {
+                    crossing[n_crossings++] =
+                        p[0] + (row - p[1]) / (q[1] - p[1]) * (q[0] - p[0]);
+                }
+            }
+            for (int column = 0; column < WIDTH && !is_grazed; column++) {
+                int is_inside = 0, is_near = 0, is_told = 0;
+
+                for (int k = 0; k < n_crossings; k++) {
+                    is_inside ^= crossing[k] < column;
+                    is_near |= fabs(crossing[k] - column) < 0.2;
+                }
+                for (size_t k = 0; k < n_spans; k++) {
+                    is_told |= spans[k].first <= column && column <= spans[k].last;
+                }
+                TEST_ASSERT_TRUE(is_near || is_told == is_inside);
+            }
+        }
+    }
+}
+
+/* v at t. As a function of v, t is no polynomial. */
+static double bent(double t)
+{
+    return t * (20 + 2 * t);
+}
+
+/* An arc that is no polynomial of the row is divided into four parts at even steps of t,
+ * each of which begins where the one before ends. Most of them are near a polynomial. */
+static void test_a_long_arc_is_divided_into_parts(void)
+{
+    for (int way = 0; way < 2; way++) {
+        rigcal_real u[RIGCAL_SPANS_NODES], v[RIGCAL_SPANS_NODES];
+        int n_direct = 0;
+
+        for (int i = 0; i <= LAST; i++) {
+            u[i] = RC(10 * i);
+            v[i] = RC(bent(way ? LAST - i : i));
+        }
+        rc_outline_begin(&outline, 300);
+        rc_outline_add(&outline, u, v);
+        TEST_ASSERT_EQUAL_INT32(LAST, outline.n_arcs);
+        for (int i = 0; i < LAST; i++) {
+            const rigcal_arc *const arc = &outline.arcs[i];
+            const int least = way ? LAST - 1 - i : i;
+
+            n_direct += arc->is_direct;
+            ASSERT_NEAR(bent(least), arc->low, TOL(1e-12, 1e-4));
+            ASSERT_NEAR(bent(least + 1), arc->high, TOL(1e-12, 1e-4));
+            ASSERT_NEAR(way ? i + 1 : i, arc->t_low, 0);
+            ASSERT_NEAR(way ? i : i + 1, arc->t_high, 0);
+            if (i > 0) { /* to the bit */
+                ASSERT_NEAR(D(way ? arc[-1].low : arc[-1].high), way ? arc->high : arc->low,
+                            0);
+            }
+        }
+        TEST_ASSERT_GREATER_OR_EQUAL_INT(3, n_direct);
+    }
+}
+
+/* Curves that end exactly in a row, 50, where a border goes on. Whatever rounding does, each
+ * row has one span: none ends twice or not at all. */
+static void test_a_corner_exactly_in_a_row_leaves_no_gap(void)
+{
+    test_rng rng = test_seed(4711);
+
+    for (int trial = 0; trial < 200; trial++) {
+        const double power = test_uniform(&rng, 1.2, 2.8),
+                     far = test_uniform(&rng, 50, 4000);
+        const int is_up = trial % 2;
+        rigcal_real u[RIGCAL_SPANS_NODES], v[RIGCAL_SPANS_NODES];
+        rigcal_span spans[RIGCAL_SPANS_ROW];
+
+        for (int i = 0; i <= LAST; i++) {
+            const double part = (is_up ? LAST - i : i) / (double)LAST;
+
+            u[i] = RC(far * part);
+            v[i] = RC(50 * pow(part, power));
+        }
+        rc_outline_begin(&outline, 60);
+        add_edge(far, is_up ? 59 : 50, is_up ? 50 : 59);
+        rc_outline_add(&outline, u, v);
+        add_edge(5000, is_up ? 0 : 59, is_up ? 59 : 0);
+        rc_outline_close(&outline);
+        for (int32_t row = 0; row < 59; row++) {
+            TEST_ASSERT_EQUAL_UINT64(1, rc_outline_row(spans, &outline, row, 6000));
+            TEST_ASSERT_EQUAL_INT32(5000, spans[0].last);
+            TEST_ASSERT_TRUE(row < 50 || fabs(spans[0].first - far) < 1.1);
+        }
+    }
+}
+
+/* A border above another one, which begins in the row in which the first one ends. Rows in
+ * order, and rows at random. */
+static void test_an_arc_ends_before_the_row_of_its_end(void)
+{
+    test_rng rng = test_seed(4710);
+
+    rc_outline_begin(&outline, 60);
+    add_edge(30, 10, 20);
+    add_edge(40, 20, 10);
+    add_edge(60, 20, 30);
+    add_edge(70, 30, 20);
+    rc_outline_close(&outline);
+    for (int trial = 0; trial < 200; trial++) {
+        const int32_t row = trial < 40 ? trial : (int32_t)(test_next(&rng) % 40);
+        rigcal_span spans[RIGCAL_SPANS_ROW];
+        const size_t n = rc_outline_row(spans, &outline, row, 100);
+
+        TEST_ASSERT_EQUAL_UINT64(row >= 10 && row < 30, n);
+        if (n > 0) {
+            TEST_ASSERT_EQUAL_INT32(row < 20 ? 30 : 60, spans[0].first);
+            TEST_ASSERT_EQUAL_INT32(row < 20 ? 40 : 70, spans[0].last);
+        }
+    }
+}
+
+/* The lowest and the highest row, whichever arc comes first. */
+static void test_the_rows_of_an_outline_are_those_of_all_its_arcs(void)
+{
+    for (int lowest = 0; lowest < 3; lowest++) {
+        int32_t last;
+
+        rc_outline_begin(&outline, 60);
+        for (int i = 0; i < 3; i++) {
+            add_edge(30, i == lowest ? 3.5 : 10, i == (lowest + 1) % 3 ? 51 : 20);
+        }
+        rc_outline_close(&outline);
+        TEST_ASSERT_EQUAL_INT32(4, rc_outline_rows(&last, &outline));
+        TEST_ASSERT_EQUAL_INT32(50, last);
+    }
+}
+
 static void test_a_curve_above_the_image_has_no_rows(void)
 {
     rigcal_real u[RIGCAL_SPANS_NODES], v[RIGCAL_SPANS_NODES];
@@ -303,4 +597,11 @@ TEST_MAIN()
     RUN_TEST(test_a_stretch_ends_where_the_room_does);
     RUN_TEST(test_a_flat_start_of_an_arc_is_crossed);
     RUN_TEST(test_an_arc_that_folds_between_nodes_keeps_its_rows);
+    RUN_TEST(test_rows_near_the_turn_of_a_curve_are_its_chords);
+    RUN_TEST(test_an_arc_with_one_end_like_a_polynomial_keeps_its_rows);
+    RUN_TEST(test_the_rows_of_any_curve_are_what_is_inside);
+    RUN_TEST(test_a_long_arc_is_divided_into_parts);
+    RUN_TEST(test_a_corner_exactly_in_a_row_leaves_no_gap);
+    RUN_TEST(test_an_arc_ends_before_the_row_of_its_end);
+    RUN_TEST(test_the_rows_of_an_outline_are_those_of_all_its_arcs);
 }

@@ -90,6 +90,7 @@ static void test_a_pixel_that_the_lens_does_not_reach_is_told(void)
         TEST_ASSERT_EQUAL(unseen, s.point);
         rc_seeds_begin(&s, MIDDLE); /* then it is the camera's own axis */
         ASSERT_NEAR(1, s.axis[2], 0);
+        ASSERT_NEAR(0, s.axis[1], 0);
         ASSERT_NEAR(0, s.axis[0], 0);
     }
 }
@@ -140,10 +141,39 @@ static void test_points_in_two_places_or_on_a_line_have_no_start(void)
     }
 }
 
+/* The limit is a part of the target's size: the farthest that a coordinate is from the
+ * first point. Nearer points count as one, and then three are left. */
+static void test_points_at_nearly_one_place_count_as_one(void)
+{
+    test_rng rng = test_seed(117);
+    for (int trial = 0; trial < 40; trial++) {
+        const double apart = TOL(1e-9, 1e-5) * ((trial % 2) ? 0.7 : 1.4);
+        double size = 0;
+        test_problem p;
+        rigcal_search s;
+        test_random_problem(&p, &rng, 4, TEST_GENERAL);
+        for (int i = 1; i < 3; i++) {
+            for (int k = 0; k < 3; k++) {
+                p.o[i].X_w[k] -= p.o[0].X_w[k];
+                size = fmax(size, fabs(D(p.o[i].X_w[k])));
+            }
+        }
+        for (int k = 0; k < 3; k++) {
+            p.o[0].X_w[k] = 0;
+            p.o[3].X_w[k] = (k == trial % 3) ? RC(apart * size) : 0;
+        }
+        begin(&s, &p);
+        while (s.point < 4) {
+            TEST_ASSERT_EQUAL_INT32(RC_SEEDS_BUSY, rc_seeds_step(&s));
+        }
+        TEST_ASSERT_EQUAL_INT(trial % 2 ? 3 : 4, s.work.triple.count);
+    }
+}
+
 /* ---- the lattice -------------------------------------------------------------- */
 
-/* points: fewer start from the poses of three of them. */
-enum { MANY = 9 };
+/* points: fewer start from the poses of three of them, in builds that have the code. */
+enum { MANY = 9, WITH_FEW = RIGCAL_FOR_SPEED && RIGCAL_WITH_THREE_POINTS };
 
 enum { LATTICE = 24 };
 
@@ -175,45 +205,99 @@ static void test_the_lattice_covers_the_sphere(void)
     TEST_ASSERT_TRUE(farthest < 32 * TEST_PI / 180);
 }
 
-/* The library uses these directions, and keeps the three with the least cost, best
- * first. */
+/* Steps through the lattice. The library uses these directions, takes one step for each, and
+ * keeps the three with the least cost, best first. */
+static void assert_best_of_lattice(rigcal_search *s)
+{
+    const rigcal_lattice *const lattice = &s->from.lattice;
+    double cost[LATTICE], scale = 0;
+    int steps = 0;
+    do {
+        TEST_ASSERT_EQUAL_INT32(RC_SEEDS_BUSY, rc_seeds_step(s));
+        steps += s->n_seeds > 0;
+    } while (s->n_seeds == 0 || s->next > 0);
+    TEST_ASSERT_EQUAL_INT(LATTICE, steps);
+    TEST_ASSERT_EQUAL_INT32(RIGCAL_SEEDS_MAX, s->n_seeds);
+    for (int i = 0; i < LATTICE; i++) {
+        double m3[3];
+        rigcal_real m[3];
+        lattice_direction(m3, i);
+        test_to_real(m, m3, 3);
+        cost[i] = D(rc_direction_cost(&lattice->moments, m));
+        scale = fmax(scale, cost[i] < 1e30 ? cost[i] : 0);
+    }
+    for (int k = 0; k < RIGCAL_SEEDS_MAX; k++) {
+        int better = 0;
+        ASSERT_NEAR(cost[lattice->index[k]], lattice->cost[k], TOL(1e-12, 1e-4) * scale);
+        for (int i = 0; i < LATTICE; i++) {
+            better += cost[i] < D(lattice->cost[k]) - TOL(1e-12, 1e-4) * scale;
+        }
+        TEST_ASSERT_LESS_OR_EQUAL_INT(k, better);
+    }
+    ASSERT_NEAR(D(lattice->cost[0]), lattice->least_cost, 0);
+}
+
 static void test_the_search_keeps_the_three_best_of_the_lattice(void)
 {
     test_rng rng = test_seed(96);
     for (int trial = 0; trial < TEST_TRIALS(100); trial++) {
-        const rigcal_lattice *lattice;
-        double cost[LATTICE], scale = 0;
-        int steps = 0;
         test_problem p;
         rigcal_search s;
         test_random_problem(&p, &rng, MANY, trial % 2 ? TEST_PLANAR : TEST_GENERAL);
         test_add_noise(&p, &rng, 1);
         begin(&s, &p);
-        do {
-            TEST_ASSERT_EQUAL_INT32(RC_SEEDS_BUSY, rc_seeds_step(&s));
-            steps += s.n_seeds > 0;
-        } while (s.n_seeds == 0 || s.next > 0);
-        TEST_ASSERT_EQUAL_INT(LATTICE, steps); /* one cost each */
-        TEST_ASSERT_EQUAL_INT32(RIGCAL_SEEDS_MAX, s.n_seeds);
-        lattice = &s.from.lattice;
-        for (int i = 0; i < LATTICE; i++) {
-            double m3[3];
-            rigcal_real m[3];
-            lattice_direction(m3, i);
-            test_to_real(m, m3, 3);
-            cost[i] = D(rc_direction_cost(&lattice->moments, m));
-            scale = fmax(scale, cost[i] < 1e30 ? cost[i] : 0);
+        assert_best_of_lattice(&s);
+        TEST_ASSERT_FALSE(rc_seeds_scan(&s)); /* it has been searched */
+    }
+}
+
+/* Few points start from poses of three of them. The lattice can be searched after those,
+ * once. */
+static void test_the_lattice_can_be_searched_after_few_points_are_spent(void)
+{
+    test_rng rng = test_seed(114);
+    for (int trial = 0; trial < TEST_TRIALS(50); trial++) {
+        test_problem p;
+        rigcal_search s;
+        test_random_problem(&p, &rng, 6, TEST_GENERAL);
+        test_add_noise(&p, &rng, 1);
+        begin(&s, &p);
+        while (next_start(&s) == RC_SEEDS_START) {
         }
-        for (int k = 0; k < RIGCAL_SEEDS_MAX; k++) {
-            int better = 0;
-            ASSERT_NEAR(cost[lattice->index[k]], lattice->cost[k],
-                        TOL(1e-12, 1e-4) * scale);
-            for (int i = 0; i < LATTICE; i++) {
-                better += cost[i] < D(lattice->cost[k]) - TOL(1e-12, 1e-4) * scale;
-            }
-            TEST_ASSERT_LESS_OR_EQUAL_INT(k, better);
+        if (s.n_seeds == 0) { /* there were such poses */
+            TEST_ASSERT_TRUE(rc_seeds_scan(&s));
+            assert_best_of_lattice(&s);
         }
-        ASSERT_NEAR(D(lattice->cost[0]), lattice->least_cost, 0);
+        TEST_ASSERT_FALSE(rc_seeds_scan(&s));
+    }
+}
+
+/* Of a target narrower than a quarter of its length, three points do not give the turn about
+ * its length. So even few points of it begin with the lattice. */
+static void test_few_points_of_a_narrow_target_begin_with_the_lattice(void)
+{
+    test_rng rng = test_seed(116);
+    for (int trial = 0; trial < 40; trial++) {
+        const double width = (trial % 2) ? 0.2 : 0.3;
+        test_problem p;
+        rigcal_search s;
+        test_random_problem(&p, &rng, 6, TEST_GENERAL);
+        for (int i = 0; i < 6; i++) {
+            const double X[3] = {i % 2 - 0.5,
+                                 width * (i < 2    ? 0
+                                          : i == 2 ? 1
+                                                   : 0.5),
+                                 i > 3 ? 0.01 : 0};
+            double X_c[3], uv[2];
+            test_apply(X_c, p.scene.R, X, p.scene.t);
+            test_project_px(uv, &p.camera, X_c);
+            test_to_real(p.o[i].X_w, X, 3);
+            test_to_real(p.o[i].uv, uv, 2);
+        }
+        begin(&s, &p);
+        TEST_ASSERT_EQUAL_INT32(RC_SEEDS_START, next_start(&s));
+        TEST_ASSERT_EQUAL_INT(WITH_FEW && width > 0.25, s.n_seeds == 0);
+        TEST_ASSERT_EQUAL_INT(WITH_FEW && width > 0.25, s.n_roots > 0);
     }
 }
 
@@ -261,12 +345,13 @@ static void test_a_start_of_an_exact_view_is_near_its_pose(void)
 static void test_no_start_leads_to_what_has_been_found(void)
 {
     static const test_shape SHAPE[2] = {TEST_GENERAL, TEST_PLANAR};
+    static const int POINTS[3] = {4, 8, 12};
     test_rng rng = test_seed(98);
-    for (int trial = 0; trial < TEST_TRIALS(2000); trial++) {
+    for (int trial = 0; trial < TEST_TRIALS(3000); trial++) {
         test_problem p;
         rigcal_search s;
         int n_starts = 0;
-        test_random_problem(&p, &rng, trial / 2 % 2 ? 8 : 4, SHAPE[trial % 2]);
+        test_random_problem(&p, &rng, POINTS[trial / 2 % 3], SHAPE[trial % 2]);
         test_add_noise(&p, &rng, trial % 7);
         begin(&s, &p);
         TEST_ASSERT_EQUAL_INT32(RC_SEEDS_START, next_start(&s));
@@ -276,6 +361,55 @@ static void test_no_start_leads_to_what_has_been_found(void)
             n_starts++;
         }
         TEST_ASSERT_LESS_OR_EQUAL_INT(2 + 3, n_starts); /* from the lattice; leaning */
+    }
+}
+
+/* A descent takes ten evaluations, of which that of the seed is known. Its start costs less
+ * than the seed, or as much. */
+static void test_a_descent_takes_ten_evaluations(void)
+{
+    test_rng rng = test_seed(115);
+    int better = 0, descents = 0;
+    for (int trial = 0; trial < TEST_TRIALS(100); trial++) {
+        test_problem p;
+        rigcal_search s;
+        test_random_problem(&p, &rng, MANY, TEST_GENERAL);
+        begin(&s, &p);
+        assert_best_of_lattice(&s);
+        for (int k = 0; k < RIGCAL_SEEDS_MAX; k++, descents++) {
+            int steps = 1;
+            while (rc_seeds_step(&s) != RC_SEEDS_START) {
+                steps++;
+            }
+            TEST_ASSERT_EQUAL_INT(1 + 9, steps);
+            better += s.from.lattice.least_cost < s.from.lattice.cost[k];
+            TEST_ASSERT_TRUE(s.from.lattice.least_cost <= s.from.lattice.cost[k]);
+        }
+    }
+    TEST_ASSERT_GREATER_THAN_INT(descents * 9 / 10, better);
+}
+
+/* After a pose was found, a direction that costs more than 100 times the least is not worth
+ * a start, unless the target is flat. */
+static void test_a_hopeless_direction_is_no_start(void)
+{
+    test_rng rng = test_seed(118);
+    for (int trial = 0; trial < TEST_TRIALS(400); trial++) {
+        test_problem p;
+        rigcal_search s;
+        test_random_problem(&p, &rng, MANY, TEST_GENERAL);
+        test_add_noise(&p, &rng, 0.1);
+        begin(&s, &p);
+        TEST_ASSERT_EQUAL_INT32(RC_SEEDS_START, next_start(&s));
+        keep(&s, p.scene.R, p.scene.t, 0);
+        while (next_start(&s) == RC_SEEDS_START) {
+            const rigcal_lattice *const lattice = &s.from.lattice;
+            rigcal_real m3[3];
+            rc_mat3_tmul_vec3(m3, start_of(&s)->R, s.axis);
+            TEST_ASSERT_TRUE(s.is_flat ||
+                             D(rc_direction_cost(&lattice->moments, m3)) <=
+                                 (1 + TOL(1e-9, 1e-3)) * 100 * D(lattice->least_cost));
+        }
     }
 }
 
@@ -367,6 +501,51 @@ static void test_a_flat_target_seen_head_on_has_starts_that_lean(void)
     }
 }
 
+/* A hexagon nearly head-on. A view of so few points starts from the poses of three of them.
+ * After those comes a start that leans the other way by a tangent of 0.3, though the cost
+ * falls from there to the pose found. It does not come if two poses were found: then it
+ * would only lead to one of them. */
+static void test_few_points_of_a_flat_target_have_a_start_that_leans(void)
+{
+    const double t[3] = {0, 0, 5}, lean = 0.01, least = atan(0.3);
+    test_rng rng = test_seed(110);
+    for (int trial = 0; trial < 50; trial++) {
+        const int n_found = 1 + (WITH_FEW && trial % 2);
+        double nearest = 10, other[9];
+        test_problem p;
+        rigcal_search s;
+        test_random_problem(&p, &rng, 6, TEST_GENERAL);
+        test_rotation(p.scene.R, test_uniform(&rng, -3, 3), lean, 0);
+        test_rotation(other, 1, 1.2, 0.5);
+        for (int i = 0; i < 6; i++) {
+            const double way = TEST_PI / 3 * i;
+            const double X[3] = {0.5 * cos(way), 0.5 * sin(way), 0};
+            double X_c[3], uv[2];
+            test_apply(X_c, p.scene.R, X, t);
+            test_project_px(uv, &p.camera, X_c);
+            test_to_real(p.o[i].X_w, X, 3);
+            test_to_real(p.o[i].uv, uv, 2);
+        }
+        begin(&s, &p);
+        for (int i = 0; i < n_found; i++) {
+            TEST_ASSERT_EQUAL_INT32(RC_SEEDS_START, next_start(&s));
+        }
+        for (int i = 0; i < n_found; i++) {
+            keep(&s, i == 0 ? p.scene.R : other, t, i);
+        }
+        while (next_start(&s) == RC_SEEDS_START) {
+            const rigcal_real *const R = start_of(&s)->R; /* its last column: the normal */
+            double off = fabs(D(R[8]) - cos(least));
+            for (int k = 0; k < 2; k++) {
+                const double other_way = -p.scene.R[3 * k + 2] / sin(lean) * sin(least);
+                off = fmax(off, fabs(D(R[3 * k + 2]) - other_way));
+            }
+            nearest = fmin(nearest, off);
+        }
+        TEST_ASSERT_EQUAL_INT(n_found == 1, nearest < 0.01);
+    }
+}
+
 /* ---- three points --------------------------------------------------------------- */
 
 /* One start is the true pose. Each other start puts the three points on their pixels, or
@@ -455,6 +634,45 @@ static void test_rays_all_around_start_from_triples_among_which_is_the_pose(void
     }
 }
 
+/* All rays are as far off the axis. Beyond 60 degrees triples of points come after the
+ * search, beyond 80 degrees in place of it. */
+static void test_how_far_off_the_axis_triples_are_taken(void)
+{
+    static const double DEGREES[8] = {20, 59, 61, 70, 79, 81, 85, 89};
+    test_rng rng = test_seed(112);
+    for (int trial = 0; trial < 16; trial++) {
+        const double off = DEGREES[trial / 2];
+        test_problem p;
+        rigcal_search s;
+        surrounded(&p, 12, &rng);
+        p.camera.lens = (trial % 2) ? RIGCAL_LENS_FISHEYE : RIGCAL_LENS_BROWN;
+        for (int i = 0; i < 12; i++) {
+            const double way = TEST_PI / 6 * i, out = off * TEST_PI / 180;
+            const double range = test_uniform(&rng, 1, 2);
+            const double X_c[3] = {range * sin(out) * cos(way), range * sin(out) * sin(way),
+                                   range * cos(out)};
+            double uv[2], from[3], back[9], X[3];
+            test_project_px(uv, &p.camera, X_c);
+            test_to_real(p.o[i].uv, uv, 2);
+            for (int k = 0; k < 3; k++) {
+                from[k] = X_c[k] - p.scene.t[k];
+            }
+            test_transpose(back, p.scene.R);
+            test_apply(X, back, from, NULL);
+            test_to_real(p.o[i].X_w, X, 3);
+        }
+        begin(&s, &p);
+        TEST_ASSERT_EQUAL_INT32(RC_SEEDS_START, next_start(&s));
+        TEST_ASSERT_EQUAL_INT(off > 60, s.is_wide != 0);
+        TEST_ASSERT_EQUAL_INT(off > 80, s.triples > 0);
+        TEST_ASSERT_EQUAL_INT(off > 80, s.n_seeds == 0);
+        keep(&s, p.scene.R, p.scene.t, 0);
+        while (next_start(&s) == RC_SEEDS_START) {
+        }
+        TEST_ASSERT_EQUAL_INT(off > 60, s.triples > 0);
+    }
+}
+
 /* A fisheye's pixel at 180 degrees or more is reported before the first start, whether or
  * not a triple would use that point. */
 static void test_a_pixel_of_rays_all_around_that_has_none_is_told_before_a_start(void)
@@ -470,6 +688,57 @@ static void test_a_pixel_of_rays_all_around_that_has_none_is_told_before_a_start
         TEST_ASSERT_EQUAL_INT32(RC_SEEDS_UNSEEN, next_start(&s));
         TEST_ASSERT_EQUAL(unseen, s.point);
     }
+}
+
+/* A triple is spread over the points' order, which goes round: between two of its points
+ * lie at least a quarter of all, or nearly so. */
+static void test_a_triple_is_spread_over_the_order_of_the_points(void)
+{
+    test_rng rng = test_seed(109);
+    for (int n = 8; n <= 32 && n <= TEST_SCENE_MAX; n += 4) {
+        test_problem p;
+        rigcal_search s;
+        int32_t triples = 0;
+        surrounded(&p, n, &rng);
+        begin(&s, &p);
+        while (rc_seeds_step(&s) != RC_SEEDS_TRIPLE_SPENT) {
+            if (s.triples > triples) {
+                const int32_t *const i = s.work.triple.index;
+                for (int k = 0; k < 3; k++) {
+                    TEST_ASSERT_GREATER_OR_EQUAL_INT(n / 4,
+                                                     (i[(k + 1) % 3] - i[k] + n) % n);
+                }
+                triples = s.triples;
+            }
+        }
+        TEST_ASSERT_EQUAL_INT32(6, triples);
+    }
+}
+
+/* While nothing is found, every pose of every triple is a start. */
+static void test_all_poses_of_each_triple_are_starts(void)
+{
+    test_rng rng = test_seed(113);
+    int several = 0;
+    for (int trial = 0; trial < 40; trial++) {
+        int32_t came = RC_SEEDS_BUSY, triples = 0;
+        int n_starts = 0, n_poses = 0;
+        test_problem p;
+        rigcal_search s;
+        surrounded(&p, 12, &rng);
+        begin(&s, &p);
+        while (came != RC_SEEDS_TRIPLE_SPENT) {
+            came = rc_seeds_step(&s);
+            n_starts += came == RC_SEEDS_START;
+            if (s.triples > triples) {
+                triples = s.triples;
+                n_poses += s.n_exact;
+                several += s.n_exact > 1;
+            }
+        }
+        TEST_ASSERT_EQUAL_INT(n_poses, n_starts);
+    }
+    TEST_ASSERT_GREATER_THAN_INT(40, several);
 }
 
 /* Each triple has three different points. Together they have all of 8 points; with more
@@ -526,6 +795,18 @@ static void test_after_a_pose_two_triples_are_enough(void)
 
 /* ---- mirrored points ------------------------------------------------------------- */
 
+/* Gives all points of the scene their pixels. */
+static void see(test_problem *p)
+{
+    for (int i = 0; i < p->scene.n; i++) {
+        double X_c[3], uv[2];
+        test_apply(X_c, p->scene.R, p->scene.X[i], p->scene.t);
+        test_project_px(uv, &p->camera, X_c);
+        test_to_real(p->o[i].X_w, p->scene.X[i], 3);
+        test_to_real(p->o[i].uv, uv, 2);
+    }
+}
+
 /* A target at this distance in front of the camera. */
 static void far_target(test_problem *p, test_shape shape, double distance, test_rng *rng)
 {
@@ -541,12 +822,39 @@ static void far_target(test_problem *p, test_shape shape, double distance, test_
         at = (k == 2) ? distance : 0;
         p->scene.t[k] = at;
     }
-    for (int i = 0; i < 10; i++) {
-        double X_c[3], uv[2];
-        test_apply(X_c, p->scene.R, p->scene.X[i], p->scene.t);
-        test_project_px(uv, &p->camera, X_c);
-        test_to_real(p->o[i].X_w, p->scene.X[i], 3);
-        test_to_real(p->o[i].uv, uv, 2);
+    see(p);
+}
+
+/* The target is seen from a direction of the lattice, and what was found is 0.03 rad beside
+ * it. The cost falls from there to the direction of the lattice, so its descent ends there.
+ * But that is too near to what was found. */
+static void test_no_start_is_beside_what_was_found(void)
+{
+    static const double X_AXIS[3] = {1, 0, 0};
+    test_rng rng = test_seed(111);
+    for (int i = 0; i < LATTICE; i++) {
+        double *R, beside[9], by[9], length;
+        test_problem p;
+        rigcal_search s;
+        far_target(&p, TEST_GENERAL, 20, &rng);
+        R = p.scene.R;
+        lattice_direction(R + 6, i);
+        length = hypot(R[6], R[7]);
+        R[0] = -R[7] / length;
+        R[1] = R[6] / length;
+        R[2] = 0;
+        test_cross(R + 3, R + 6, R);
+        see(&p);
+        test_rotation_about(by, X_AXIS, 0.03);
+        test_product(beside, by, R);
+        begin(&s, &p);
+        TEST_ASSERT_EQUAL_INT32(RC_SEEDS_START, next_start(&s));
+        TEST_ASSERT_TRUE(angle_to(R, start_of(&s)) < 0.05);
+        keep(&s, beside, p.scene.t, 1);
+        s.next = 0; /* all seeds once more */
+        while (next_start(&s) == RC_SEEDS_START) {
+            TEST_ASSERT_TRUE(angle_to(beside, start_of(&s)) > 0.05);
+        }
     }
 }
 
@@ -665,18 +973,28 @@ TEST_MAIN()
     RUN_TEST(test_a_pixel_that_the_lens_does_not_reach_is_told);
     RUN_TEST(test_a_step_takes_16_rays_of_a_pinhole_and_one_of_a_lens);
     RUN_TEST(test_points_in_two_places_or_on_a_line_have_no_start);
+    RUN_TEST(test_points_at_nearly_one_place_count_as_one);
     RUN_TEST(test_the_lattice_covers_the_sphere);
     RUN_TEST(test_the_search_keeps_the_three_best_of_the_lattice);
+    RUN_TEST(test_the_lattice_can_be_searched_after_few_points_are_spent);
+    RUN_TEST(test_few_points_of_a_narrow_target_begin_with_the_lattice);
     RUN_TEST(test_a_start_of_an_exact_view_is_near_its_pose);
     RUN_TEST(test_no_start_leads_to_what_has_been_found);
+    RUN_TEST(test_a_descent_takes_ten_evaluations);
+    RUN_TEST(test_a_hopeless_direction_is_no_start);
     RUN_TEST(test_a_seed_on_the_way_to_the_pose_found_takes_no_descent);
     RUN_TEST(test_a_flat_target_has_a_start_near_its_second_minimum);
     RUN_TEST(test_a_flat_target_seen_head_on_has_starts_that_lean);
+    RUN_TEST(test_few_points_of_a_flat_target_have_a_start_that_leans);
     RUN_TEST(test_all_poses_of_three_points_are_starts);
     RUN_TEST(test_rays_all_around_start_from_triples_among_which_is_the_pose);
+    RUN_TEST(test_how_far_off_the_axis_triples_are_taken);
     RUN_TEST(test_a_pixel_of_rays_all_around_that_has_none_is_told_before_a_start);
+    RUN_TEST(test_a_triple_is_spread_over_the_order_of_the_points);
+    RUN_TEST(test_all_poses_of_each_triple_are_starts);
     RUN_TEST(test_triples_are_of_different_points_and_six_at_most);
     RUN_TEST(test_after_a_pose_two_triples_are_enough);
+    RUN_TEST(test_no_start_is_beside_what_was_found);
     RUN_TEST(test_of_mirrored_points_the_start_is_near_the_pose);
     RUN_TEST(test_neither_a_plane_nor_right_points_near_by_are_tried_mirrored);
     RUN_TEST(test_an_image_that_does_not_go_with_the_target_has_no_start);

@@ -256,6 +256,28 @@ static void test_each_argument_is_needed(void)
                    rigcal_transfer_make(&out, &kept, ABC, uv[0], uv[1], NULL));
 }
 
+/* The pose and the lens of each of the three cameras. */
+static void test_each_camera_is_checked(void)
+{
+    rigcal_transfer out;
+
+    WANTS_RIG;
+    for (int c = 0; c < N; c++) {
+        make(4908);
+        cameras[ABC[c]].cam_from_rig.t[1] = TEST_INF;
+        ASSERT_REFUSED(RIGCAL_ERR_NOT_FINITE, out,
+                       rigcal_transfer_make(&out, &kept, ABC, uv[0], uv[1], NOISE));
+        make(4908);
+        cameras[ABC[c]].cam_from_rig.R[4] += RC(0.5);
+        ASSERT_REFUSED(RIGCAL_ERR_ROTATION, out,
+                       rigcal_transfer_make(&out, &kept, ABC, uv[0], uv[1], NOISE));
+        make(4908);
+        cameras[ABC[c]].camera.fy = 0;
+        ASSERT_REFUSED(RIGCAL_ERR_CAMERA, out,
+                       rigcal_transfer_make(&out, &kept, ABC, uv[0], uv[1], NOISE));
+    }
+}
+
 /* ---- a Sigma that is no covariance ------------------------------------------------- */
 
 /* Three cameras of 1024 px look along z. Camera 0 is held, 1 is one to its left, 2 is
@@ -437,6 +459,7 @@ TEST_MAIN()
     RUN_TEST(test_a_candidate_off_by_so_much_has_that_chi2);
     RUN_TEST(test_where_there_is_no_point_there_is_no_transfer);
     RUN_TEST(test_each_argument_is_needed);
+    RUN_TEST(test_each_camera_is_checked);
     RUN_TEST(test_a_negative_variance_gives_no_transfer);
     RUN_TEST(test_a_variance_beyond_all_numbers_gives_no_transfer);
     RUN_TEST(test_a_residual_without_variance_gives_no_transfer);

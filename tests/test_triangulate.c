@@ -171,6 +171,10 @@ static void test_arguments_of_two_views_are_checked(void)
                    rigcal_depth_two_views(depth, &miss, &B_FROM_A, none, M_B));
     ASSERT_REFUSED(RIGCAL_ERR_RANGE, depth,
                    rigcal_depth_two_views(depth, &miss, &B_FROM_A, M_A, none));
+    ASSERT_REFUSED(RIGCAL_ERR_NULL, depth, /* before any number is looked at */
+                   rigcal_depth_two_views(depth, &miss, &B_FROM_A, NULL, none));
+    ASSERT_REFUSED(RIGCAL_ERR_NULL, depth,
+                   rigcal_depth_two_views(depth, &miss, &B_FROM_A, none, NULL));
     for (int k = 0; k < 3; k++) {
         rigcal_transform T = B_FROM_A;
         rigcal_real bad[3] = {0, 0, 1};
@@ -260,6 +264,37 @@ static void test_a_disparity_of_rounding_is_refused(void)
                    rigcal_depth_aligned(X, RC_COORDINATE_MAX, half, zero));
     ASSERT_REFUSED(RIGCAL_ERR_PARALLEL, X,
                    rigcal_depth_aligned(X, RC_COORDINATE_MAX, left, zero));
+}
+
+/* It grows with the coordinates. */
+static void test_what_a_disparity_must_be_goes_with_the_coordinates(void)
+{
+    for (double size = 0.25; size < 5000; size *= 8) {
+        const rigcal_real left[2] = {RC(size), 0};
+        const rigcal_real low[2] = {RC(size * (1 - 4 * D(RC_EPS))), 0};
+        const rigcal_real lower[2] = {RC(size * (1 - 5 * D(RC_EPS))), 0};
+        rigcal_real X[3];
+
+        ASSERT_REFUSED(RIGCAL_ERR_PARALLEL, X,
+                       rigcal_depth_aligned(X, RC(0.001), left, low));
+        ASSERT_STATUS(RIGCAL_OK, rigcal_depth_aligned(X, RC(0.001), left, lower));
+        ASSERT_NEAR(0.001, 5 * size * D(RC_EPS) * D(X[2]), TOL(1e-15, 1e-9));
+    }
+}
+
+/* A disparity of 5 roundings at x = 1 and at x = -1, of points far above and below. */
+static void test_the_height_of_a_point_has_no_part_in_its_disparity(void)
+{
+    for (int way = 0; way < 4; way++) {
+        const rigcal_real y = RC(way % 2 ? 1000 : -1000), e = 5 * RC_EPS;
+        const rigcal_real left[2] = {RC(way < 2 ? 1 : -1 + D(e)), y};
+        const rigcal_real right[2] = {RC(way < 2 ? 1 - D(e) : -1), y};
+        rigcal_real X[3];
+
+        ASSERT_STATUS(RIGCAL_OK, rigcal_depth_aligned(X, 1, left, right));
+        ASSERT_NEAR(1, D(e) * D(X[2]), TOL(1e-12, 1e-6));
+        ASSERT_NEAR(D(y), D(e) * D(X[1]), TOL(1e-9, 1e-3));
+    }
 }
 
 static void test_arguments_of_aligned_stereo_are_checked(void)
@@ -547,6 +582,12 @@ static void test_arguments_of_the_triangulation_are_checked(void)
                    rigcal_point_triangulate(&point, good.cameras, NULL, good.uv, 3, 1));
     ASSERT_REFUSED(RIGCAL_ERR_NULL, point,
                    rigcal_point_triangulate(&point, good.cameras, good.poses, NULL, 3, 1));
+    ASSERT_REFUSED(RIGCAL_ERR_NULL, point, /* before any number is looked at */
+                   rigcal_point_triangulate(&point, NULL, good.poses, good.uv, 0, -1));
+    ASSERT_REFUSED(RIGCAL_ERR_NULL, point,
+                   rigcal_point_triangulate(&point, good.cameras, NULL, good.uv, 0, -1));
+    ASSERT_REFUSED(RIGCAL_ERR_NULL, point,
+                   rigcal_point_triangulate(&point, good.cameras, good.poses, NULL, 0, -1));
     ASSERT_REFUSED(RIGCAL_ERR_TOO_FEW, point, triangulate(&point, &good, 1, 1));
     ASSERT_REFUSED(RIGCAL_ERR_TOO_FEW, point, triangulate(&point, &good, 0, 1));
     ASSERT_REFUSED(RIGCAL_ERR_RANGE, point, triangulate(&point, &good, 3, 0));
@@ -756,6 +797,8 @@ TEST_MAIN()
     RUN_TEST(test_no_or_negative_disparity_is_refused);
     RUN_TEST(test_the_longest_baseline_is_accepted);
     RUN_TEST(test_a_disparity_of_rounding_is_refused);
+    RUN_TEST(test_what_a_disparity_must_be_goes_with_the_coordinates);
+    RUN_TEST(test_the_height_of_a_point_has_no_part_in_its_disparity);
     RUN_TEST(test_arguments_of_aligned_stereo_are_checked);
     RUN_TEST(test_a_point_of_perfect_views_is_where_it_is);
     RUN_TEST(test_points_of_noisy_views_are_scipys_least_squares);

@@ -538,7 +538,8 @@ RIGCAL_API rigcal_status rigcal_tag_solve(rigcal_pose cams_from_tag[], size_t ca
  * bits. */
 typedef struct rigcal_robust_options {
     rigcal_real threshold_px; /* a point farther than this from its projection is wrong
-                                 (times sigma_i where those are given); 1e-6 .. 1e6.
+                                 (times sigma_i where those are given), and so is a
+                                 pixel at which the lens images no ray; 1e-6 .. 1e6.
                                  0 (default): 4 sigma_px, or 3 pixels */
     rigcal_real sigma_px;     /* as in rigcal_pose_options */
     int32_t samples;          /* the most triples that are tried; all, when there are no

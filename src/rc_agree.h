@@ -25,8 +25,8 @@ typedef struct {
     rigcal_real sum[RC_AGREE_BINS]; /* of their squared distances */
 } rc_agree_histogram;
 
-/* Sets marks[i] to 1 for points within the limit, else to 0. *off gets the distances,
- * unless it is NULL. Returns how many marks changed. */
+/* Sets marks[i] to 1 for points within the limit whose pixels have a ray, else to 0. *off
+ * gets the distances, unless it is NULL. Returns how many marks changed. */
 size_t rc_agree_mark(uint8_t marks[], rc_agree_histogram *off, const rigcal_points *points,
                      const rigcal_transform *cam_from_points, rigcal_real limit);
 

@@ -294,20 +294,22 @@ int rc_seeds_pick(rigcal_search *s)
     return 1;
 }
 
-/* Takes a triple spread over the points' order, and computes its poses. Gathering has shown
- * that all points have rays. */
+/* Takes a triple spread over the order of the points that count, and computes its poses.
+ * Gathering has shown that all of them have rays. */
 RC_APART_FAST static int32_t picking_step(rigcal_search *s)
 {
-    const size_t n = s->points.view.n;
+    const size_t n = s->points.view.n, n_used = s->points.n_used;
     rigcal_triple *const triple = &s->work.triple;
-    size_t i = (size_t)s->triples++;
+    size_t i = n, ahead = (size_t)s->triples++ + 1;
     for (int k = 0; k < 3; k++) {
-        i = rc_points_next(&s->points, i);
-        i = (i < n) ? i : rc_points_next(&s->points, i - n);
+        do { /* the first point follows the last */
+            i = rc_points_next(&s->points, (i < n) ? i + 1 : 0);
+            ahead -= i < n;
+        } while (ahead > 0);
         (void)rc_pixel_to_ray(triple->ray[k], s->points.view.camera,
                               s->points.view.observations[i].uv);
         triple->index[k] = (int32_t)i;
-        i += ((n + 1) >> 2) + (n >> 4);
+        ahead = ((n_used + 1) >> 2) + (n_used >> 4);
     }
     s->next = 0;
     s->n_exact = (uint8_t)rc_triple_poses(s->from.exact, triple, &s->points);
@@ -331,7 +333,7 @@ static int32_t next_exact(rigcal_search *s)
  * a search. */
 static int32_t end_triple(rigcal_search *s)
 {
-    if (s->optima.n > 0 && s->triples + (s->n_seeds > 0) > 1) {
+    if (s->optima.n > 0 && (s->triples > 1 || s->n_seeds > 0)) {
         return RC_SEEDS_TRIPLE_SPENT;
     }
     return rc_seeds_pick(s) ? RC_SEEDS_BUSY : RC_SEEDS_TRIPLE_SPENT;

@@ -1,0 +1,72 @@
+/* Two points at the rim of a lens's field, whose pixels noise had moved beyond it, made a
+ * robust pose of many right points fail with RIGCAL_ERR_NO_RAY. One such point gave
+ * RIGCAL_UNSEEN_POINT, which the header did not name. */
+#include <math.h>
+#include <string.h>
+
+#include "test_support.h"
+
+enum { N = 20, AT_RIM = 2 };
+
+/* The lens 1 - 0.3 r^2 folds at r = 1.0541, where the image of a ray is 0.70273 from the
+ * axis. A ray at r = 1.03 is imaged at 0.70218. The last AT_RIM points have such rays, and
+ * pixels at 0.7045: off by 0.0023 of the focal length, and beyond the fold. */
+static void observe(rigcal_observation seen[N], const rigcal_camera *camera,
+                    const double R[9], const double t[3], test_rng *rng)
+{
+    double back[9];
+
+    test_transpose(back, R);
+    for (int i = 0; i < N; i++) {
+        const int is_at_rim = i >= N - AT_RIM;
+        const double phi = test_uniform(rng, 0, 6.28), far = test_uniform(rng, 1, 3);
+        const double r = is_at_rim ? 1.03 : test_uniform(rng, 0.2, 0.6);
+        const double off = is_at_rim ? 0.7045 : r * (1 - 0.3 * r * r);
+        const double X_c[3] = {far * r * cos(phi), far * r * sin(phi), far};
+        const double uv[2] = {D(camera->cx) + D(camera->fx) * off * cos(phi),
+                              D(camera->cy) + D(camera->fy) * off * sin(phi)};
+        double from[3], X[3];
+
+        for (int k = 0; k < 3; k++) {
+            from[k] = X_c[k] - t[k];
+        }
+        test_apply(X, back, from, NULL);
+        test_to_real(seen[i].X_w, X, 3);
+        test_to_real(seen[i].uv, uv, 2);
+    }
+}
+
+static void test_a_pixel_without_a_ray_is_wrong(void)
+{
+    static const double T[3] = {0.1, -0.2, 0.3};
+    static rigcal_observation seen[N];
+    static uint8_t inliers[N];
+    rigcal_camera camera = test_pinhole();
+    test_rng rng = test_seed(13);
+
+    TEST_WANTS_RAM(20000);
+    camera.k1 = RC(-0.3);
+    for (int trial = 0; trial < TEST_TRIALS(20); trial++) {
+        rigcal_pose poses[RIGCAL_POSES_MAX];
+        size_t n_found, n_inliers;
+        double R[9], found_R[9], found_t[3];
+
+        test_random_rotation(R, &rng);
+        observe(seen, &camera, R, T, &rng);
+        ASSERT_STATUS(RIGCAL_OK, rigcal_robust_solve(poses, RIGCAL_POSES_MAX, &n_found,
+                                                     inliers, &n_inliers, NULL,
+                                                     &VIEW(&camera, seen, NULL, N), NULL));
+        for (int i = 0; i < N; i++) {
+            TEST_ASSERT_EQUAL_INT(i < N - AT_RIM, inliers[i]);
+        }
+        TEST_ASSERT_EQUAL_size_t(N - AT_RIM, n_inliers);
+        test_transform_parts(found_R, found_t, &poses[0].cam_from_world);
+        ASSERT_NEAR(0, test_angle_between(R, found_R), TOL(1e-8, 1e-3));
+        ASSERT_NEAR(0, D(poses[0].rms_px), TOL(1e-6, 1e-2));
+    }
+}
+
+TEST_MAIN()
+{
+    RUN_TEST(test_a_pixel_without_a_ray_is_wrong);
+}

@@ -270,10 +270,15 @@ static void take_step(rigcal_rig_solver *s, const rc_rig_parts *parts)
         end_search(s, RIGCAL_BUDGET_SPENT, 1);
         return;
     }
-    s->is_trial = step == RC_STEP_TRY;
-    s->is_last = step == RC_STEP_LAST;
     save_poses(s->rig, parts);
-    s->given->move(s, parts);
+    s->is_trial = step == RC_STEP_TRY;
+    s->is_last = step == RC_STEP_LAST && s->is_lagging == 0;
+    if (s->is_trial || s->is_last) {
+        s->given->move(s, parts);
+    } else { /* not yet the end: the same poses once more, with their own motion */
+        s->search.status = RIGCAL_RUNNING;
+        s->search.want = RC_WANT_EQUATIONS;
+    }
     begin_pass(s);
 }
 

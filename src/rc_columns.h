@@ -45,6 +45,10 @@ void rc_columns_begin(rigcal_columns *columns);
 int rc_columns_is_free(const rigcal_columns *columns, size_t camera);
 size_t rc_columns_n_free(const rigcal_columns *columns);
 
+/* Adds g of a camera, whose first unknown is `at`. Below 0: the camera has none. */
+void rc_columns_add_gradient(rigcal_columns *columns, rigcal_real at,
+                             const rigcal_real g[6]);
+
 /* Adds a view of a camera, after rc_border_view. g is by the camera, as that leaves it. */
 void rc_columns_add(rigcal_columns *columns, const rc_evidence *view, const rc_chain *chain,
                     size_t camera, rigcal_real since, const rigcal_real g[6]);

@@ -14,6 +14,11 @@ rigcal_status rc_times_check(const rigcal_rig *rig);
 void rc_times_motion(rigcal_motion *motion, const rigcal_rig *rig,
                      const rigcal_transform poses[], size_t placement);
 
+/* The time at which a view was taken, by its camera's clock, after the stamp of its
+ * placement. memory->since is set. */
+rigcal_real rc_times_after(const rigcal_rig *rig, int32_t camera, size_t placement,
+                           size_t view);
+
 /* rigcal_clock_calls.place and .weigh. clocks->memory has the motion of placement
  * clocks->memory.placement. For another placement the motion is computed anew. */
 void rc_times_place(rigcal_transform *rig_from_placement, const rigcal_rig *rig,

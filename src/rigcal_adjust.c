@@ -270,10 +270,15 @@ static void take_step(rigcal_rig_solver *s, const rc_rig_parts *parts)
         end_search(s, RIGCAL_BUDGET_SPENT, 1);
         return;
     }
-    s->is_trial = step == RC_STEP_TRY;
-    s->is_last = step == RC_STEP_LAST;
     save_poses(s->rig, parts);
-    s->given->move(s, parts);
+    s->is_trial = step == RC_STEP_TRY;
+    s->is_last = step == RC_STEP_LAST && s->is_lagging == 0;
+    if (s->is_trial || s->is_last) {
+        s->given->move(s, parts);
+    } else { /* not yet the end: the same poses once more, with their own motion */
+        s->search.status = RIGCAL_RUNNING;
+        s->search.want = RC_WANT_EQUATIONS;
+    }
     begin_pass(s);
 }
 
@@ -346,28 +351,19 @@ static void end_pass(rigcal_rig_solver *s, rigcal_status status)
     }
 }
 
-/* Adds the prior of camera s->row: its information, in pixels. */
+/* Adds the prior of camera s->row. */
 static void add_prior(rigcal_rig_solver *s, const rc_rig_parts *parts)
 {
     const rigcal_rig *const rig = s->rig;
     const size_t c = s->row++;
     if (rc_rig_has_prior(rig, c)) {
-        const rigcal_camera_prior *const prior = &rig->priors[c];
-        const size_t at = (size_t)parts->column[c];
-        rigcal_real packed[21], full[36], d[6], g[6];
-        rc_sym6_pack(packed, prior->Sigma);
-        if (!rc_sym6_invert(full, packed)) {
+        rigcal_real sum, g[6], H[21];
+        if (rc_rig_prior(&sum, g, H, rig, c) != RIGCAL_OK) {
             rc_rig_end(s, RIGCAL_ERR_DEGENERATE, -1);
             return;
         }
-        for (int k = 0; k < 36; k++) {
-            full[k] *= rig->sigma_px * rig->sigma_px;
-        }
-        rc_sym6_pack(packed, full);
-        rc_deviation(d, &prior->cam_from_rig, &rig->cams_from_rig[c]);
-        rc_sym6_mul(g, packed, d);
-        add_camera(parts, at, g, packed);
-        s->sum += rc_vec6_dot(g, d);
+        add_camera(parts, (size_t)parts->column[c], g, H);
+        s->sum += sum;
     }
     if (s->row >= rig->n_cameras) {
         end_pass(s, RIGCAL_OK);

@@ -130,11 +130,9 @@ static rigcal_status number(rigcal_rig_solver *s)
     for (size_t i = 0; i < n; i++) {
         clocks->states[i] = is_free(rig, i) ? RIGCAL_CLOCK_FREE : RIGCAL_CLOCK_HELD;
     }
-    for (size_t f = 0; f < rig->n_placements; f++) {
-        clocks->instants[f] = (parts.count[f] > 0) ? clocks->times[f] : RC_MAX;
-    }
     rc_rig_parts_of(&parts, rig, s->n);
     values(s, &parts, SAVE);
+    clocks->memory.placement = -1;
     clocks->memory.ratio2 = 0;
     if (clocks->sigma_time > 0) {
         clocks->memory.ratio2 =
@@ -282,7 +280,9 @@ static void choose_clocks(rigcal_rig_solver *s, const rc_rig_parts *parts,
             }
         }
     }
+    s->is_lagging = 0;
     if (s->n_clocks > 0 || clocks->memory.is_moved != 0) {
+        s->is_lagging = s->is_trial;
         s->negligible =
             rc_max(s->negligible, GAIN_ENOUGH * s->sum / (2 * real_of(s->n_points)));
     }
@@ -338,15 +338,18 @@ static void count_view(const rigcal_rig_solver *s, const rc_rig_parts *parts,
 }
 
 /* (H10): moves the placement, and the pose where the next step begins, to the mean time of
- * its views. The pose that the caller gave is already of that time. */
+ * its views. A placement without neighbours stays at its stamp. */
 static void centre(const rigcal_rig_solver *s, const rc_rig_parts *parts)
 {
     const rigcal_rig *const rig = s->rig;
     const rigcal_clock_memory *const memory = &rig->clocks->memory;
+    rigcal_real *const instant = &rig->clocks->instants[s->placement];
     const rigcal_real mean = memory->late / memory->views;
     rigcal_real d[6], velocity[6];
-    rig->clocks->instants[s->placement] += mean;
-    if (s->evals > 1 && (mean > 0 || mean < 0)) {
+    if (memory->motion.n == 0) {
+        *instant = rig->clocks->times[s->placement];
+    } else if (mean > 0 || mean < 0) {
+        *instant += mean;
         rc_motion_at(d, velocity, &memory->motion, mean);
         rc_transform_move(&rig->rig_from_placements[s->placement], d);
         rc_transform_move(&parts->saved[rig->n_cameras + s->placement], d);
@@ -447,8 +450,28 @@ static void step_timed(rigcal_rig_solver *s)
     }
 }
 
-static const struct rigcal_rig_given TIMED = {rc_rig_check_points, equations_timed,
-                                              step_timed, move_timed, 0};
+/* Checks a view. The pose of a placement where the search begins is that of the mean time
+ * of its views, which is summed here. */
+static rigcal_status check_timed(int32_t *camera, int32_t *placement, rigcal_rig_solver *s)
+{
+    rigcal_rig_clocks *const clocks = s->rig->clocks;
+    rigcal_clock_memory *const memory = &clocks->memory;
+    const rigcal_status status = rc_rig_check_points(camera, placement, s);
+    if (status == RIGCAL_OK && !rc_rig_is_left_out(s->rig, s->view)) {
+        const size_t f = (size_t)*placement;
+        if (memory->placement != *placement) {
+            memory->placement = *placement;
+            memory->views = memory->late = 0;
+        }
+        memory->views += 1;
+        memory->late += rc_times_after(s->rig, *camera, f, s->view);
+        clocks->instants[f] = clocks->times[f] + memory->late / memory->views;
+    }
+    return status;
+}
+
+static const struct rigcal_rig_given TIMED = {check_timed, equations_timed, step_timed,
+                                              move_timed, 0};
 
 static rigcal_status begin_clocks(rigcal_rig_solver *s)
 {
@@ -457,6 +480,9 @@ static rigcal_status begin_clocks(rigcal_rig_solver *s)
     if (status != RIGCAL_OK) {
         s->phase = 0; /* the search has not begun */
         return status;
+    }
+    for (size_t f = 0; f < s->rig->n_placements; f++) {
+        s->rig->clocks->instants[f] = RC_MAX; /* until a view of it is checked */
     }
     memory->placement = -1;
     memory->pass = memory->is_moved = 0;

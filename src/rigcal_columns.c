@@ -206,6 +206,13 @@ void rc_columns_add_clock(const rigcal_columns *s, rigcal_real of[], size_t stri
     }
 }
 
+void rc_columns_add_gradient(rigcal_columns *s, rigcal_real at, const rigcal_real g[6])
+{
+    for (size_t k = 0; at >= 0 && k < 6; k++) {
+        s->sums[GRADIENT][(size_t)at + k] += g[k];
+    }
+}
+
 void rc_columns_add(rigcal_columns *s, const rc_evidence *v, const rc_chain *chain,
                     size_t camera, rigcal_real since, const rigcal_real g[6])
 {
@@ -215,10 +222,7 @@ void rc_columns_add(rigcal_columns *s, const rc_evidence *v, const rc_chain *cha
     }
     rc_columns_add_clock(s, &s->sums[GRADIENT][s->n], 1, camera,
                          v->left * v->q[RC_BY_CLOCK]);
-    const rigcal_real of_camera = s->border.slot[s->border.count - 1];
-    for (size_t k = 0; of_camera >= 0 && k < 6; k++) {
-        s->sums[GRADIENT][(size_t)of_camera + k] += g[k];
-    }
+    rc_columns_add_gradient(s, s->border.slot[s->border.count - 1], g);
     for (size_t p = 0; p < RC_COLUMNS; p++) {
         if (is_in_pass(s, p)) {
             const size_t at = column_of(s, camera, p);

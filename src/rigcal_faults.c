@@ -100,6 +100,25 @@ static int begin_placement(rigcal_faults_solver *s)
     return 0;
 }
 
+/* Adds the priors of cameras, which belong to the sum and to its derivative. */
+static rigcal_status add_priors(rigcal_faults_solver *s)
+{
+    rc_rig_parts parts;
+    rc_rig_parts_of(&parts, s->rig, 0);
+    for (size_t c = 0; c < s->rig->n_cameras; c++) {
+        if (rc_rig_has_prior(s->rig, c)) {
+            rigcal_real sum, g[6], H[21];
+            const rigcal_status status = rc_rig_prior(&sum, g, H, s->rig, c);
+            if (status != RIGCAL_OK) {
+                return status;
+            }
+            rc_columns_add_gradient(&s->columns, parts.column[c], g);
+            s->sum += sum;
+        }
+    }
+    return RIGCAL_OK;
+}
+
 static void begin_pass(rigcal_faults_solver *s)
 {
     rc_columns_begin(&s->columns);
@@ -112,7 +131,10 @@ static void begin_pass(rigcal_faults_solver *s)
     s->first = s->rig->n_views;
     s->placement = s->rig->n_placements;
     s->found.passes++;
-    if (!begin_placement(s)) {
+    const rigcal_status status = add_priors(s);
+    if (status != RIGCAL_OK) {
+        end(s, status, -1);
+    } else if (!begin_placement(s)) {
         end(s, RIGCAL_ERR_TOO_FEW, -1);
     }
 }
@@ -501,6 +523,9 @@ static rigcal_status check(const rigcal_rig *rig, const rigcal_faults_options *o
     }
     if (status == RIGCAL_OK && !rc_rig_is_adjusted(&parts, rig)) {
         status = RIGCAL_ERR_STATE;
+    }
+    for (size_t c = 0; status == RIGCAL_OK && c < rig->n_cameras; c++) {
+        status = rc_rig_check_camera(rig, c);
     }
     for (size_t f = 0; status == RIGCAL_OK && f < rig->n_placements; f++) {
         if (!(RC_FABS(parts.count[f]) <= real_of(rig->n_cameras))) {

@@ -114,29 +114,45 @@ void rc_times_motion(rigcal_motion *motion, const rigcal_rig *rig,
     rc_motion_of(motion, &path, placement);
 }
 
-void rc_times_place(rigcal_transform *rig_from_placement, const rigcal_rig *rig,
-                    int32_t camera, size_t placement, size_t view)
+/* The same after the time `from`. */
+static rigcal_real time_after(const rigcal_rig *rig, int32_t camera, size_t placement,
+                              size_t view, rigcal_real from)
 {
     rigcal_rig_clocks *const clocks = rig->clocks;
     rigcal_clock_memory *const memory = &clocks->memory;
-    const rigcal_motion *motion = &memory->motion;
-    rigcal_motion fresh;
-    rigcal_real d[6], stamp = clocks->times[placement];
-    if (memory->placement != (int32_t)placement) {
-        rc_times_motion(&fresh, rig, rig->rig_from_placements, placement);
-        motion = &fresh;
-    }
+    rigcal_real stamp = clocks->times[placement];
     if (clocks->view_times != NULL &&
         RC_FABS(clocks->view_times[view]) <= RC_COORDINATE_MAX) {
         stamp = clocks->view_times[view];
     }
+    memory->since = stamp - memory->middle;
+    const rigcal_real after = stamp - from + clocks->offsets[camera];
+    return (clocks->drifts == NULL) ? after
+                                    : after + clocks->drifts[camera] * memory->since;
+}
+
+rigcal_real rc_times_after(const rigcal_rig *rig, int32_t camera, size_t placement,
+                           size_t view)
+{
+    return time_after(rig, camera, placement, view, rig->clocks->times[placement]);
+}
+
+void rc_times_place(rigcal_transform *rig_from_placement, const rigcal_rig *rig,
+                    int32_t camera, size_t placement, size_t view)
+{
+    const rigcal_rig_clocks *const clocks = rig->clocks;
+    rigcal_clock_memory *const memory = &rig->clocks->memory;
+    const rigcal_motion *motion = &memory->motion;
+    rigcal_motion fresh;
+    rigcal_real d[6];
+    if (memory->placement != (int32_t)placement) {
+        rc_times_motion(&fresh, rig, rig->rig_from_placements, placement);
+        motion = &fresh;
+    }
     memory->since = memory->after = 0;
     if (motion->n > 0) {
-        memory->since = stamp - memory->middle;
-        memory->after = stamp - clocks->instants[placement] + clocks->offsets[camera];
-        if (clocks->drifts != NULL) {
-            memory->after += clocks->drifts[camera] * memory->since;
-        }
+        memory->after =
+            time_after(rig, camera, placement, view, clocks->instants[placement]);
     }
     rc_motion_at(d, memory->velocity, motion, memory->after);
     if (memory->after > 0 || memory->after < 0) {

@@ -111,6 +111,25 @@ int rc_rig_has_prior(const rigcal_rig *rig, size_t camera)
     return rig->roles != NULL && rig->roles[camera] == RIGCAL_CAMERA_PRIOR;
 }
 
+rigcal_status rc_rig_prior(rigcal_real *sum, rigcal_real g[6], rigcal_real H[21],
+                           const rigcal_rig *rig, size_t camera)
+{
+    const rigcal_camera_prior *const prior = &rig->priors[camera];
+    rigcal_real full[36], d[6];
+    rc_sym6_pack(H, prior->Sigma);
+    if (!rc_sym6_invert(full, H)) {
+        return RIGCAL_ERR_DEGENERATE;
+    }
+    for (int k = 0; k < 36; k++) {
+        full[k] *= rig->sigma_px * rig->sigma_px;
+    }
+    rc_sym6_pack(H, full);
+    rc_deviation(d, &prior->cam_from_rig, &rig->cams_from_rig[camera]);
+    rc_sym6_mul(g, H, d);
+    *sum = rc_vec6_dot(g, d);
+    return RIGCAL_OK;
+}
+
 rigcal_status rc_rig_check(const rigcal_rig *rig)
 {
     if (rig == NULL || rig->cams_from_rig == NULL || rig->rig_from_placements == NULL ||
@@ -220,7 +239,7 @@ rigcal_status rc_rig_points(rigcal_points *points, const rigcal_rig_view *view)
                                                                                : status;
 }
 
-static rigcal_status check_camera(const rigcal_rig *rig, size_t c)
+rigcal_status rc_rig_check_camera(const rigcal_rig *rig, size_t c)
 {
     if (rig->roles == NULL || rig->roles[c] < RIGCAL_CAMERA_PRIOR) {
         return RIGCAL_OK;
@@ -318,7 +337,7 @@ rigcal_status rc_views_begin(rigcal_rig_solver *s)
     rc_clear(parts.count, rig->n_placements);
     rc_clear(parts.slot, rig->n_cameras);
     for (size_t c = 0; c < rig->n_cameras; c++) {
-        const rigcal_status status = check_camera(rig, c);
+        const rigcal_status status = rc_rig_check_camera(rig, c);
         rig->group[c] = (int32_t)c;
         if (status != RIGCAL_OK) {
             return status;

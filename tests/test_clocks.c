@@ -611,6 +611,45 @@ static void test_what_is_left_is_of_views_at_their_times(void)
     }
 }
 
+/* The frame of the rig may be changed after the adjustment: what is left does not depend on
+ * it. */
+static void test_what_is_left_does_not_depend_on_the_frame(void)
+{
+    rigcal_real duv[2 * MOTION_POINTS];
+    static double sums[MOTION_VIEWS_MAX];
+    test_rng rng = test_seed(118);
+    rigcal_rig_fit fit;
+    size_t n;
+
+    WANTS_MOTIONS();
+    make(&SCENE, 118);
+    ASSERT_STATUS(RIGCAL_OK, adjust(&fit));
+    for (int is_moved = 0; is_moved < 2; is_moved++) {
+        const rigcal_transform move = test_random_transform(&rng),
+                               back = test_inverse(&move);
+
+        for (size_t c = 0; c < m.rig.n_cameras && is_moved; c++) {
+            m.cams[c] = test_times(&m.cams[c], &back);
+        }
+        for (size_t f = 0; f < m.rig.n_placements && is_moved; f++) {
+            m.places[f] = test_times(&move, &m.places[f]);
+        }
+        for (size_t v = m.rig.n_views; v-- > 0;) {
+            double sum = 0;
+
+            ASSERT_STATUS(RIGCAL_OK,
+                          rigcal_rig_residuals(duv, 2 * MOTION_POINTS, &n, &m.rig, v));
+            for (size_t i = 0; i < 2 * n; i++) {
+                sum += D(duv[i]) * D(duv[i]);
+            }
+            if (is_moved) {
+                ASSERT_NEAR(sums[v], sum, TOL(1e-6, 0.05) * sums[v]);
+            }
+            sums[v] = sum;
+        }
+    }
+}
+
 /* Clocks that differ look like wrong views. If they are known, they do not. */
 static void test_no_view_is_named_for_its_clock(void)
 {
@@ -1339,6 +1378,7 @@ TEST_MAIN()
     RUN_TEST(test_drifts_that_are_held_are_exact);
     RUN_TEST(test_the_clock_of_a_camera_without_views_is_left_alone);
     RUN_TEST(test_what_is_left_is_of_views_at_their_times);
+    RUN_TEST(test_what_is_left_does_not_depend_on_the_frame);
     RUN_TEST(test_no_view_is_named_for_its_clock);
     RUN_TEST(test_wrong_points_are_left_out_with_clocks_too);
     RUN_TEST(test_the_bits_are_those_of_any_budget);

@@ -504,6 +504,18 @@ static void test_two_cameras_that_agree_are_believed_against_a_third(void)
     }
 }
 
+/* Another pose, turned by one radian about the target's own point. */
+static rigcal_transform turned_far(const rigcal_transform *pose)
+{
+    static const double axis[3] = {0.6, 0, 0.8};
+    double R[9], at[3], turn[9], out[9];
+
+    test_transform_parts(R, at, pose);
+    test_rotation_about(turn, axis, 1);
+    test_product(out, turn, R);
+    return test_transform(out, at);
+}
+
 /* Right views that disagree by more than noise: all poses are off by 4 sigma more. */
 static void test_what_is_more_than_noise_raises_the_limit(void)
 {
@@ -516,6 +528,20 @@ static void test_what_is_more_than_noise_raises_the_limit(void)
     TEST_ASSERT_TRUE(D(t.choice.tau2) >= 4);
     TEST_ASSERT_TRUE(D(t.choice.share) >= 0.8);
     TEST_ASSERT_EQUAL(0, test_tags_wrong(&t));
+    TEST_ASSERT_TRUE(t.choice.n_left_out <= 2);
+    for (size_t v = 13; v < 40; v += 8) { /* wrong, and stated to be exact */
+        t.own[v].cam_from_target = turned_far(&t.own[v].cam_from_target);
+        t.second[v].n = 0;
+        for (int k = 0; k < 21; k++) {
+            t.own[v].information[k] *= 100;
+        }
+    }
+    ASSERT_STATUS(RIGCAL_OK, choose());
+    TEST_ASSERT_TRUE(D(t.choice.tau2) >= 4);
+    TEST_ASSERT_TRUE(t.choice.n_left_out <= 4 + 2);
+    for (size_t v = 13; v < 40; v += 8) {
+        TEST_ASSERT_EQUAL_UINT8(RIGCAL_TAKES_NONE, t.takes[v]);
+    }
 }
 
 /* The noise is the median of the estimates from the fits. A few blurred views do not change
@@ -566,18 +592,6 @@ static void test_the_median_by_hand(void)
     ASSERT_STATUS(RIGCAL_ERR_TOO_FEW, choose());
     t.rig.sigma_px = RC(0.3);
     ASSERT_STATUS(RIGCAL_OK, choose());
-}
-
-/* Another pose, turned by one radian about the target's own point. */
-static rigcal_transform turned_far(const rigcal_transform *pose)
-{
-    static const double axis[3] = {0.6, 0, 0.8};
-    double R[9], at[3], turn[9], out[9];
-
-    test_transform_parts(R, at, pose);
-    test_rotation_about(turn, axis, 1);
-    test_product(out, turn, R);
-    return test_transform(out, at);
 }
 
 /* ---- frames -------------------------------------------------------------- */
@@ -865,6 +879,41 @@ static void test_many_cameras_and_two_that_are_alike(void)
                      TOL(1e-8, 1e-2));
 }
 
+/* The poses of the last placement are all wrong where the view has much information, and
+ * none is wrong as another. The eight of most information may place it: the right ones if
+ * one of these is right. */
+static void test_the_eight_views_of_most_information_place_a_placement(void)
+{
+    TEST_ON_HOST_ONLY("memory of twelve cameras");
+    for (int n_wrong = 7; n_wrong < 9; n_wrong++) {
+        test_rng rng = test_seed(560);
+
+        make_many(&rng);
+        for (size_t v = 0; v < many.rig.n_views; v++) {
+            rigcal_view_pose *const own = &many.own[v];
+
+            own->cam_from_target =
+                test_times(&many.true_cams[own->camera], &many.true_places[own->placement]);
+            many.second[v].n = 0;
+            if (own->placement == 3 && own->camera >= MANY - n_wrong) {
+                own->cam_from_target = test_random_transform(&rng);
+                for (int k = 0; k < 21; k++) {
+                    own->information[k] *= 1000;
+                }
+            }
+        }
+        many.rig.sigma_px = RC(0.3);
+        ASSERT_STATUS(RIGCAL_OK, rigcal_rig_choose(&many.choice, NULL, &many.rig));
+        const rigcal_transform now = test_times(&many.cams[0], &many.places[3]);
+        const rigcal_transform truth = test_times(&many.true_cams[0], &many.true_places[3]);
+        const double off = fabs(D(now.t[0]) - D(truth.t[0])) +
+                           fabs(D(now.t[1]) - D(truth.t[1])) +
+                           fabs(D(now.t[2]) - D(truth.t[2]));
+
+        TEST_ASSERT_EQUAL_INT(n_wrong < 8, off < TOL(1e-6, 1e-2));
+    }
+}
+
 /* How many other links of camera a come before its link to b: those of more information,
  * and of equal ones those to lower cameras. */
 static int rank_of(const rigcal_link links[], int n_cameras, int a, int b)
@@ -931,6 +980,7 @@ static void assert_at_fault(rigcal_status expected, int32_t view)
 static void test_what_is_refused(void)
 {
     test_rng rng = test_seed(561);
+    static const uint8_t left_out[12] = {1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1};
     uint8_t roles[3] = {RIGCAL_CAMERA_FREE, RIGCAL_CAMERA_FREE, RIGCAL_CAMERA_FREE};
     rigcal_view_pose kept;
     rigcal_choose_solver solver;
@@ -988,6 +1038,9 @@ static void test_what_is_refused(void)
         assert_at_fault(RIGCAL_OK, -1);
     }
     t.rig.roles = NULL;
+    t.rig.left_out = left_out; /* no view is at fault if none is left */
+    assert_at_fault(RIGCAL_ERR_TOO_FEW, -1);
+    t.rig.left_out = NULL;
     capacity = t.rig.work_capacity;
     t.rig.work_capacity = rigcal_choose_work(3, 4, 12) - 1;
     assert_at_fault(RIGCAL_ERR_CAPACITY, -1);
@@ -1053,6 +1106,7 @@ TEST_MAIN()
     RUN_TEST(test_a_doubtful_placement_does_not_count);
     RUN_TEST(test_what_a_camera_contradicts_joins_no_other);
     RUN_TEST(test_many_cameras_and_two_that_are_alike);
+    RUN_TEST(test_the_eight_views_of_most_information_place_a_placement);
     RUN_TEST(test_the_best_three_pairs_of_each_camera_are_scored);
     RUN_TEST(test_what_is_refused);
     RUN_TEST(test_after_a_choice_the_rig_is_not_adjusted);

@@ -7,6 +7,7 @@
 #include "rc_columns.h"
 #include "rc_evidence.h"
 #include "rigcal_solvers.h"
+#include "test_fit.h"
 #include "test_motions.h"
 #include "vectors_faults.h"
 
@@ -981,6 +982,86 @@ static void test_of_a_target_that_stands_still_no_clock_is_told(void)
     }
 }
 
+/* Times may have any unit. One of 2^-10 s changes no digit: what has the unit of a time is
+ * 2^10 times as large. */
+static void test_the_unit_of_time_changes_no_fault(void)
+{
+    static rigcal_fault faults[FAULTS];
+    int n = 0;
+
+    WANTS_A_RIG;
+    for (int is_small = 0; is_small < 2; is_small++) {
+        set_up(&x, 2);
+        for (int p = 0; p < PLACEMENTS && is_small; p++) {
+            x.times[p] *= 1024;
+        }
+        x.with_clocks.frame *= (rigcal_real)(is_small ? 1024 : 1);
+        (void)least_sum(&x);
+        test_it(&x);
+        for (int i = 0; i < n; i++) {
+            const int has_time = faults[i].kind == RIGCAL_FAULT_CLOCK ||
+                                 faults[i].kind == RIGCAL_FAULT_CLOCKS;
+            const double unit = has_time ? 1024 : 1;
+            const rigcal_fault *const seen = fault_of(&x, faults[i].kind, faults[i].camera);
+
+            TEST_ASSERT_EQUAL_INT32(faults[i].is_seen, seen->is_seen);
+            TEST_ASSERT_EQUAL_INT32(faults[i].n, seen->n);
+            for (int k = 0; k < RIGCAL_FAULT_VALUES; k++) {
+                if (faults[i].kind != RIGCAL_FAULT_SHUTTER) {
+                    ASSERT_NEAR(unit * D(faults[i].value[k]), seen->value[k], 0);
+                    ASSERT_NEAR(unit * D(faults[i].sigma[k]), seen->sigma[k], 0);
+                }
+            }
+            ASSERT_NEAR(faults[i].gain, seen->gain, 0);
+        }
+        n = x.found.n;
+        memcpy(faults, x.faults, sizeof faults);
+    }
+    TEST_ASSERT_TRUE(n > 10);
+}
+
+/* Poses and clocks that are some sigma beside their optimum give the same faults: to first
+ * order the equations take such a step into account. */
+static void test_a_rig_beside_its_optimum_has_the_same_faults(void)
+{
+    static rigcal_fault faults[FAULTS];
+
+    WANTS_A_RIG;
+    for (int way = 0; way < 3; way++) {
+        test_rng rng = test_seed(73 + (uint64_t)way);
+        int n_seen = 0;
+
+        set_up(&x, 3);
+        set_clocks(&x, way > 0, way > 1, way > 0 ? 0.001 : 0);
+        (void)least_sum(&x);
+        test_it(&x);
+        memcpy(faults, x.faults, sizeof faults);
+        for (int c = 1; c < CAMERAS; c++) {
+            double R[9], t[3], d[6];
+
+            for (int k = 0; k < 6; k++) {
+                d[k] = 1e-4 * test_normal(&rng);
+            }
+            test_transform_parts(R, t, &x.cams[c]);
+            test_move(R, t, d);
+            x.cams[c] = test_transform(R, t);
+            x.offsets[c] += (rigcal_real)(way > 0 ? 1e-4 * test_normal(&rng) : 0);
+        }
+        const int n = x.found.n;
+        test_it(&x);
+        for (int i = 0; i < n; i++) {
+            const rigcal_fault *const seen = fault_of(&x, faults[i].kind, faults[i].camera);
+
+            for (int k = 0; k < seen->n && faults[i].kind != RIGCAL_FAULT_MOVED; k++) {
+                ASSERT_NEAR(faults[i].value[k], seen->value[k],
+                            TOL(0.05, 0.2) * D(faults[i].sigma[k]));
+                n_seen += seen->is_seen;
+            }
+        }
+        TEST_ASSERT_TRUE(n_seen > 10);
+    }
+}
+
 /* The board in another frame, in which all its points have Y = 0. */
 static void test_a_board_in_the_plane_of_x_and_z_has_the_same_cameras(void)
 {
@@ -1506,6 +1587,44 @@ static void test_arguments_are_checked_from_both_sides(void)
 
 /* ---- columns -------------------------------------------------------------------- */
 
+/* What lies behind the cameras of the rig does not matter, also where the camera that has
+ * the fault is held and the others move in its place. */
+static void test_what_is_behind_the_cameras_of_the_rig_does_not_matter(void)
+{
+    static const uint8_t ROLES[CAMERAS] = {RIGCAL_CAMERA_FREE, RIGCAL_CAMERA_HELD,
+                                           RIGCAL_CAMERA_FREE};
+    static rigcal_fault faults[FAULTS];
+
+    WANTS_A_RIG;
+    set_up(&x, 3);
+    x.rig.roles = ROLES;
+    (void)least_sum(&x);
+    test_it(&x);
+    memcpy(faults, x.faults, sizeof faults);
+    x.cams[CAMERAS] = x.cams[0];
+    x.group[CAMERAS] = x.group[0];
+    test_it(&x);
+    TEST_ASSERT_EQUAL_MEMORY(faults, x.faults, (size_t)x.found.n * sizeof faults[0]);
+}
+
+/* Memory comes from the first of two pieces that has enough of it. */
+static void test_memory_is_of_the_first_piece_that_has_it(void)
+{
+    rigcal_real first[4], second[6];
+    rc_pool pool = {{first, second}, {4, 6}, 1};
+
+    TEST_ASSERT_EQUAL_PTR(first, rc_pool_take(&pool, 3));
+    TEST_ASSERT_EQUAL_PTR(second, rc_pool_take(&pool, 2));
+    TEST_ASSERT_EQUAL_PTR(first + 3, rc_pool_take(&pool, 1));
+    TEST_ASSERT_EQUAL_PTR(first + 4, rc_pool_take(&pool, 0));
+    TEST_ASSERT_EQUAL_PTR(second + 2, rc_pool_take(&pool, 4));
+    TEST_ASSERT_EQUAL_INT(1, pool.is_enough);
+    TEST_ASSERT_NULL(rc_pool_take(&pool, 1));
+    TEST_ASSERT_EQUAL_INT(0, pool.is_enough);
+    TEST_ASSERT_EQUAL_UINT64(0, pool.left[0]);
+    TEST_ASSERT_EQUAL_UINT64(0, pool.left[1]);
+}
+
 /* Camera 0 may be free too, where another one has the reference clock. */
 static void test_free_clocks_are_counted_from_camera_0(void)
 {
@@ -1539,6 +1658,7 @@ TEST_MAIN()
     RUN_TEST(test_four_free_clocks_need_the_stated_memory);
     RUN_TEST(test_small_images_have_the_faults_of_large_ones);
     RUN_TEST(test_without_times_no_clock_is_tested_and_that_is_told);
+    RUN_TEST(test_without_neighbours);
     RUN_TEST(test_placements_far_apart_in_time_have_no_motion);
     RUN_TEST(test_a_camera_without_views_has_no_faults);
     RUN_TEST(test_nothing_in_common_is_no_disagreement);
@@ -1553,6 +1673,8 @@ TEST_MAIN()
     RUN_TEST(test_clocks_without_their_memory_are_refused);
     RUN_TEST(test_views_of_three_points_have_no_loop);
     RUN_TEST(test_of_a_target_that_stands_still_no_clock_is_told);
+    RUN_TEST(test_the_unit_of_time_changes_no_fault);
+    RUN_TEST(test_a_rig_beside_its_optimum_has_the_same_faults);
     RUN_TEST(test_a_board_in_the_plane_of_x_and_z_has_the_same_cameras);
     RUN_TEST(test_a_fault_of_a_camera_that_is_held_is_that_of_an_adjustment);
     RUN_TEST(test_narrow_cameras_have_the_same_faults_whichever_is_held);
@@ -1570,5 +1692,7 @@ TEST_MAIN()
     RUN_TEST(test_the_limit_of_truncation_is_4_sigma);
     RUN_TEST(test_a_view_that_is_wrong_is_named);
     RUN_TEST(test_arguments_are_checked_from_both_sides);
+    RUN_TEST(test_what_is_behind_the_cameras_of_the_rig_does_not_matter);
+    RUN_TEST(test_memory_is_of_the_first_piece_that_has_it);
     RUN_TEST(test_free_clocks_are_counted_from_camera_0);
 }

@@ -471,6 +471,42 @@ static void test_four_free_clocks_need_the_stated_memory(void)
     }
 }
 
+/* Camera 0 shares no placement with the three others, which are a group of their own. The
+ * clock of its first camera is no parameter: the others are late by it. */
+static void test_the_first_clock_of_each_group_is_not_told(void)
+{
+    static const motion_scene SCENE = {4, 4, 4, 30, 0.35, 0.8, 10, 0.01, 0, 0, 0.3};
+    static test_motions m;
+    test_rng rng = test_seed(77);
+    rigcal_rig_fit fit;
+
+    TEST_WANTS_RAM(sizeof m + sizeof x + 20000);
+    test_motions_make(&m, &rng, &SCENE);
+    test_motions_solve(&m);
+    m.clocks.free_offsets = 0;
+    m.rig.clocks = &m.clocks;
+    m.rig.left_out = m.left_out;
+    for (size_t v = 0; v < m.rig.n_views; v++) {
+        m.left_out[v] = (m.views[v].camera == 0) != (m.views[v].placement < 4);
+    }
+    ASSERT_STATUS(RIGCAL_DISCONNECTED, rigcal_rig_adjust(&fit, NULL, &m.rig));
+    memset(&x, 0, sizeof x);
+    x.options.work = x.work;
+    x.options.work_capacity = sizeof x.work / sizeof *x.work;
+    x.options.kinds = RIGCAL_FAULTS_OF(RIGCAL_FAULT_CLOCKS);
+    x.rig = m.rig;
+    TEST_ASSERT_TRUE(
+        rigcal_rig_faults(&x.found, x.faults, FAULTS, NULL, &x.options, &x.rig) >= 0);
+    const rigcal_fault *const all = fault_of(&x, RIGCAL_FAULT_CLOCKS, -1);
+
+    TEST_ASSERT_EQUAL_INT32(2, all->n);
+    TEST_ASSERT_EQUAL_INT32(1, all->is_seen);
+    for (int c = 2; c < 4; c++) {
+        ASSERT_NEAR(m.true_offsets[c] - m.true_offsets[1], all->value[c - 2],
+                    5 * D(all->sigma[c - 2]));
+    }
+}
+
 /* ---- the unit of the pixels ------------------------------------------------------- */
 
 /* Makes each image 64 times smaller, about its corner: -0.5, -0.5. */
@@ -729,6 +765,43 @@ static void test_less_memory_takes_more_passes_and_finds_the_same(void)
     x.options.work_capacity = 10;
     ASSERT_STATUS(RIGCAL_ERR_CAPACITY,
                   rigcal_rig_faults(&x.found, x.faults, FAULTS, NULL, &x.options, &x.rig));
+}
+
+/* The least memory is enough for each kind, whichever others are asked for. */
+static void test_each_kind_by_itself_is_as_among_the_others(void)
+{
+    static rigcal_fault faults[FAULTS];
+    int seen = 0;
+
+    WANTS_A_RIG;
+    set_up(&x, 1);
+    test_it(&x);
+    const int n = x.found.n;
+    memcpy(faults, x.faults, sizeof faults);
+    x.options.work_capacity = RIGCAL_FAULTS_LEAST(CAMERAS - 1, CAMERAS);
+    for (int32_t kind = 0; kind < RIGCAL_FAULT_KINDS; kind++) {
+        x.options.kinds = RIGCAL_FAULTS_OF(kind);
+        test_it(&x);
+        for (int i = 0; i < n; i++) {
+            if (faults[i].kind == kind) {
+                const rigcal_fault *const alone = fault_of(&x, kind, faults[i].camera);
+
+                for (int k = 0; k < RIGCAL_FAULT_VALUES; k++) {
+                    const double sigma = D(faults[i].sigma[k]);
+
+                    ASSERT_NEAR(faults[i].value[k], alone->value[k],
+                                TOL(1e-9, 1e-3) * sigma);
+                    ASSERT_NEAR(sigma, alone->sigma[k], TOL(1e-9, 1e-3) * sigma);
+                }
+                ASSERT_NEAR(faults[i].turn, alone->turn,
+                            TOL(1e-9, 1e-3) * D(faults[i].turn));
+                ASSERT_NEAR(faults[i].shift, alone->shift,
+                            TOL(1e-9, 1e-3) * D(faults[i].shift));
+                seen++;
+            }
+        }
+    }
+    TEST_ASSERT_EQUAL_INT(n, seen);
 }
 
 static void test_a_short_list_has_the_best(void)
@@ -1183,6 +1256,7 @@ static void test_narrow_cameras_have_the_same_faults_whichever_is_held(void)
                 ASSERT_NEAR(other->gain, seen->gain, 1e-5);
                 ASSERT_NEAR(other->sigma[0], seen->sigma[0], 1e-4 * D(other->sigma[0]));
                 ASSERT_NEAR(other->value[0], seen->value[0], 1e-4 * D(other->sigma[0]));
+                ASSERT_NEAR(other->turn, seen->turn, 1e-3 * D(other->turn));
             }
         }
     }
@@ -1656,15 +1730,16 @@ TEST_MAIN()
     RUN_TEST(test_a_camera_that_moved_is_another_one_with_free_clocks);
     RUN_TEST(test_clocks_that_are_free_are_not_found);
     RUN_TEST(test_four_free_clocks_need_the_stated_memory);
+    RUN_TEST(test_the_first_clock_of_each_group_is_not_told);
     RUN_TEST(test_small_images_have_the_faults_of_large_ones);
     RUN_TEST(test_without_times_no_clock_is_tested_and_that_is_told);
-    RUN_TEST(test_without_neighbours);
     RUN_TEST(test_placements_far_apart_in_time_have_no_motion);
     RUN_TEST(test_a_camera_without_views_has_no_faults);
     RUN_TEST(test_nothing_in_common_is_no_disagreement);
     RUN_TEST(test_the_budget_of_a_step_changes_no_bit);
     RUN_TEST(test_a_budget_is_a_number_of_units);
     RUN_TEST(test_less_memory_takes_more_passes_and_finds_the_same);
+    RUN_TEST(test_each_kind_by_itself_is_as_among_the_others);
     RUN_TEST(test_a_short_list_has_the_best);
     RUN_TEST(test_the_covariance_stays);
     RUN_TEST(test_points_beyond_4_sigma_do_not_count_where_they_are_left_out);

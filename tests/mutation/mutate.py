@@ -17,9 +17,10 @@ call most of its functions, those of the layers that include it, and bounds. The
 bounds counts calls, and is compiled with the mutant anew. Tests come in the order of their
 time, divided by the share of this layer's mutants that each killed so far. A test that fails,
 crashes or takes 20 times as long kills the mutant. Where none does and the preset asan is
-built, the first of them run again with the address sanitizer, those of the layer before others. A survivor is equivalent if
-gcc -O2 makes the same object of it, or equivalent.txt says why no test can kill it; any other
-is printed. Exit status 1 where a survivor is left or equivalent.txt is stale.
+built, a few tests run again with the address sanitizer, those of the layer first. A survivor
+is equivalent if gcc -O2 makes the same object of it, or equivalent.txt says why no test can
+kill it; any other is printed. Exit status 1 where a survivor is left or equivalent.txt is
+stale.
 
 The recorded mutant of a file is, of those that a test killed, the one of the fastest test,
 and of these the first by the seed; recorded.csv names mutant and test. A file without one

@@ -914,6 +914,55 @@ static void test_the_eight_views_of_most_information_place_a_placement(void)
     }
 }
 
+/* Of the first seven cameras three see placement 3 where it is, and three agree better on
+ * another place. The eighth camera joins last of these and is the fourth that is right. The
+ * ninth, which sees nothing else, joins by where the placement is then. */
+static void test_the_eighth_camera_places_a_placement_anew(void)
+{
+    static const double NEAR[6] = {1e-3, -1e-3, 1e-3, 1e-3, 1e-3, -1e-3};
+    test_rng rng = test_seed(563);
+    size_t n = 0;
+
+    TEST_ON_HOST_ONLY("memory of twelve cameras");
+    make_many(&rng);
+    const rigcal_transform elsewhere = turned_far(&many.true_places[3]);
+    for (size_t v = 0; v < many.rig.n_views; v++) {
+        const int c = many.views[v].camera, f = many.views[v].placement;
+        const int is_wrong = f == 3 && c > 2 && c < 6;
+
+        if (c < 7 || (c == 7 && f != 2) || (c == 8 && f == 3)) {
+            rigcal_view_pose *const own = &many.own[n];
+
+            *own = many.own[v];
+            own->cam_from_target = test_times(&many.true_cams[c],
+                                              is_wrong ? &elsewhere : &many.true_places[f]);
+            if (f == 3 && c == 6) {
+                own->cam_from_target = test_random_transform(&rng);
+            } else if (f == 3 && !is_wrong) {
+                double R[9], t_near[3], d[6];
+
+                for (int k = 0; k < 6; k++) {
+                    d[k] = c % 2 ? -NEAR[k] : NEAR[(k + c) % 6];
+                }
+                test_transform_parts(R, t_near, &own->cam_from_target);
+                test_move(R, t_near, d);
+                own->cam_from_target = test_transform(R, t_near);
+            }
+            many.second[n++].n = 0;
+        }
+    }
+    many.rig.n_views = n;
+    many.rig.n_cameras = 9;
+    many.rig.sigma_px = RC(0.3);
+    ASSERT_STATUS(RIGCAL_OK, rigcal_rig_choose(&many.choice, NULL, &many.rig));
+    TEST_ASSERT_EQUAL(4, many.choice.n_left_out);
+    const rigcal_transform back = test_inverse(&many.cams[0]);
+    const rigcal_transform true_back = test_inverse(&many.true_cams[0]);
+    const rigcal_transform now = test_times(&many.cams[8], &back);
+    const rigcal_transform truth = test_times(&many.true_cams[8], &true_back);
+    ASSERT_TRANSFORM(&truth, &now, 0.02, 0.1);
+}
+
 /* How many other links of camera a come before its link to b: those of more information,
  * and of equal ones those to lower cameras. */
 static int rank_of(const rigcal_link links[], int n_cameras, int a, int b)
@@ -1107,6 +1156,7 @@ TEST_MAIN()
     RUN_TEST(test_what_a_camera_contradicts_joins_no_other);
     RUN_TEST(test_many_cameras_and_two_that_are_alike);
     RUN_TEST(test_the_eight_views_of_most_information_place_a_placement);
+    RUN_TEST(test_the_eighth_camera_places_a_placement_anew);
     RUN_TEST(test_the_best_three_pairs_of_each_camera_are_scored);
     RUN_TEST(test_what_is_refused);
     RUN_TEST(test_after_a_choice_the_rig_is_not_adjusted);

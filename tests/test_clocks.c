@@ -4,6 +4,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "rc_cost.h"
 #include "rigcal_solvers.h"
 #include "test_motions.h"
 
@@ -670,6 +671,50 @@ static void test_no_view_is_named_for_its_clock(void)
     TEST_ASSERT_EQUAL_INT32((int32_t)m.rig.n_views, judgement.n_fit);
     ASSERT_NEAR(1, judgement.fit.F, 0.6);
     expect_clocks(4.5);
+}
+
+/* Camera 1 is late while the target moves. The place that it claims is that of the
+ * placement's instant. The pixels are exact. */
+static void test_a_claim_is_of_the_instant_of_the_placement(void)
+{
+    static rigcal_judged_view judged[MOTION_VIEWS_MAX];
+    static uint8_t takes[MOTION_VIEWS_MAX];
+    rigcal_choice choice = {0};
+    rigcal_judge_solver solver;
+    motion_scene scene = SCENE;
+    double most = 0;
+
+    WANTS_MOTIONS();
+    scene.frames = 4;
+    scene.runs = 2;
+    scene.noise_px = 0;
+    make(&scene, 119);
+    m.clocks.free_offsets = 0;
+    test_to_real(m.offsets, m.true_offsets, 3);
+    m.rig.clocks = &m.clocks;
+    m.rig.left_out = m.left_out;
+    choice.takes = takes;
+    choice.sigma_px = RC(0.3);
+    ASSERT_STATUS(RIGCAL_OK,
+                  rigcal_judge_begin(&solver, judged, m.left_out, &choice, &m.rig));
+    while (rigcal_judge_step(&solver, 1000) == RIGCAL_RUNNING) {
+    }
+    for (size_t v = 0; v < m.rig.n_views; v++) {
+        const int f = m.views[v].placement;
+        const rigcal_transform at_view =
+            test_motions_at(&m, f, m.true_offsets[m.views[v].camera]);
+        rc_claim claim;
+        double moves = 0;
+
+        solver.placement = (size_t)f;
+        ASSERT_STATUS(RIGCAL_OK, rc_judge_claim(&claim, &solver, v, 0, 0));
+        for (int k = 0; k < 3; k++) {
+            moves += fabs(D(at_view.t[k]) - D(m.places[f].t[k]));
+        }
+        most = fmax(most, moves);
+        ASSERT_TRANSFORM(&m.places[f], &claim.b_from_a, 2e-4, 2e-4);
+    }
+    TEST_ASSERT_TRUE(most > 1e-3);
 }
 
 static void test_wrong_points_are_left_out_with_clocks_too(void)
@@ -1380,6 +1425,7 @@ TEST_MAIN()
     RUN_TEST(test_what_is_left_is_of_views_at_their_times);
     RUN_TEST(test_what_is_left_does_not_depend_on_the_frame);
     RUN_TEST(test_no_view_is_named_for_its_clock);
+    RUN_TEST(test_a_claim_is_of_the_instant_of_the_placement);
     RUN_TEST(test_wrong_points_are_left_out_with_clocks_too);
     RUN_TEST(test_the_bits_are_those_of_any_budget);
     RUN_TEST(test_a_clock_is_free_where_the_target_moves_by_ten_sigma);

@@ -8,7 +8,6 @@
 #include "rigcal_solvers.h"
 #include "test_boards.h"
 #include "test_fit.h"
-#include "test_motions.h"
 
 static const double NOISE = 0.3;
 
@@ -371,7 +370,8 @@ static void test_views_that_agree_better_than_noise_do_not_raise_the_limit(void)
 }
 
 /* Two cameras that are held, with n_places placements. All numbers of the first three are
- * sums of powers of two, so their residuals are 0 to the last bit. The others have noise. */
+ * sums of powers of two, so their residuals are 0 to the last bit. The others have
+ * noise. */
 static void make_exact(test_rng *rng, int n_places)
 {
     static const double ONE[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
@@ -530,50 +530,6 @@ static void test_a_claim_has_the_covariance_of_its_camera(void)
     }
 }
 
-/* Camera 1 is late while the target moves. The place that it claims is that of the
- * placement's instant. The pixels are exact. */
-static void test_a_claim_is_of_the_instant_of_the_placement(void)
-{
-    static const motion_scene SCENE = {3, 2, 4, 30, 0.35, 0.8, 10, 0.01, 0, 0, 0};
-    static test_motions m;
-    static rigcal_judged_view judged[MOTION_VIEWS_MAX];
-    static uint8_t takes[MOTION_VIEWS_MAX];
-    rigcal_choice choice = {0};
-    rigcal_judge_solver solver;
-    test_rng rng = test_seed(983);
-    double most = 0;
-
-    TEST_WANTS_RAM(sizeof(test_motions) + 60000);
-    test_motions_make(&m, &rng, &SCENE);
-    test_motions_solve(&m);
-    m.clocks.free_offsets = 0;
-    test_to_real(m.offsets, m.true_offsets, 3);
-    m.rig.clocks = &m.clocks;
-    m.rig.left_out = m.left_out;
-    choice.takes = takes;
-    choice.sigma_px = RC(0.3);
-    ASSERT_STATUS(RIGCAL_OK,
-                  rigcal_judge_begin(&solver, judged, m.left_out, &choice, &m.rig));
-    while (rigcal_judge_step(&solver, 1000) == RIGCAL_RUNNING) {
-    }
-    for (size_t v = 0; v < m.rig.n_views; v++) {
-        const int f = m.views[v].placement;
-        const rigcal_transform at_view =
-            test_motions_at(&m, f, m.true_offsets[m.views[v].camera]);
-        rc_claim claim;
-        double moves = 0;
-
-        solver.placement = (size_t)f;
-        ASSERT_STATUS(RIGCAL_OK, rc_judge_claim(&claim, &solver, v, 0, 0));
-        for (int k = 0; k < 3; k++) {
-            moves += fabs(D(at_view.t[k]) - D(m.places[f].t[k]));
-        }
-        most = fmax(most, moves);
-        ASSERT_TRANSFORM(&m.places[f], &claim.b_from_a, 2e-4, 2e-4);
-    }
-    TEST_ASSERT_TRUE(most > 1e-3);
-}
-
 TEST_MAIN()
 {
     RUN_TEST(test_a_view_costs_what_the_sum_falls_by_without_it);
@@ -585,5 +541,4 @@ TEST_MAIN()
     RUN_TEST(test_views_that_agree_better_than_noise_do_not_raise_the_limit);
     RUN_TEST(test_a_cost_of_0_counts);
     RUN_TEST(test_a_claim_has_the_covariance_of_its_camera);
-    RUN_TEST(test_a_claim_is_of_the_instant_of_the_placement);
 }

@@ -427,13 +427,15 @@ static void test_clocks_that_are_free_are_not_found(void)
     }
 }
 
+/* A rig of four cameras. */
+static test_motions m;
+
 /* Four cameras whose offsets and drifts are free, in memory of the stated size. What lies
  * behind it is not read, and two passes are enough. */
 static void test_four_free_clocks_need_the_stated_memory(void)
 {
     enum { ROOM = RIGCAL_FAULTS_WORK(3, 4) + RIGCAL_FAULTS_CLOCKS_WORK(4) };
     static const motion_scene SCENE = {4, 2, 4, 30, 0.35, 0.8, 10, 0.01, 3e-4, 0, 0.3};
-    static test_motions m;
     static rigcal_real room[ROOM + 8];
     test_rng rng = test_seed(75);
     rigcal_faults_options options = {.work = room, .work_capacity = ROOM};
@@ -476,7 +478,6 @@ static void test_four_free_clocks_need_the_stated_memory(void)
 static void test_the_first_clock_of_each_group_is_not_told(void)
 {
     static const motion_scene SCENE = {4, 4, 4, 30, 0.35, 0.8, 10, 0.01, 0, 0, 0.3};
-    static test_motions m;
     test_rng rng = test_seed(77);
     rigcal_rig_fit fit;
 

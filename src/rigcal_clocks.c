@@ -23,7 +23,6 @@
 /* Memory behind that of the rig. The unknowns of the clocks follow those of the cameras:
  * first all offsets, then all drifts, in the order of the cameras. */
 typedef struct {
-    rigcal_real *first;  /* row of S of the first clock; S is packed */
     rigcal_real *saved;  /* 2 a camera: the values before a step */
     rigcal_real *moved;  /* of each camera: sum of d^T H d, d to the nearest placement */
     rigcal_real *count;  /* of each camera: its views whose placement has a neighbour */
@@ -44,7 +43,6 @@ static void clock_parts_of(clock_parts *c, const rc_rig_parts *parts,
     const size_t n = s->rig->n_cameras;
     c->n = (clocks->free_offsets == 0) ? 0 : (clocks->free_drifts == 0) ? 1 : 2;
     c->at = s->n - c->n * n;
-    c->first = &parts->S[rc_packed_at(c->at, 0)];
     c->saved = parts->d + s->n;
     c->moved = c->saved + 2 * n;
     c->count = c->moved + n;

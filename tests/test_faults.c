@@ -7,6 +7,7 @@
 #include "rc_columns.h"
 #include "rc_evidence.h"
 #include "rigcal_solvers.h"
+#include "test_fit.h"
 #include "test_motions.h"
 #include "vectors_faults.h"
 
@@ -426,13 +427,15 @@ static void test_clocks_that_are_free_are_not_found(void)
     }
 }
 
+/* A rig of four cameras. */
+static test_motions m;
+
 /* Four cameras whose offsets and drifts are free, in memory of the stated size. What lies
  * behind it is not read, and two passes are enough. */
 static void test_four_free_clocks_need_the_stated_memory(void)
 {
     enum { ROOM = RIGCAL_FAULTS_WORK(3, 4) + RIGCAL_FAULTS_CLOCKS_WORK(4) };
     static const motion_scene SCENE = {4, 2, 4, 30, 0.35, 0.8, 10, 0.01, 3e-4, 0, 0.3};
-    static test_motions m;
     static rigcal_real room[ROOM + 8];
     test_rng rng = test_seed(75);
     rigcal_faults_options options = {.work = room, .work_capacity = ROOM};
@@ -467,6 +470,41 @@ static void test_four_free_clocks_need_the_stated_memory(void)
     }
     for (size_t i = ROOM; i < ROOM + 8; i++) {
         TEST_ASSERT_TRUE(isnan(D(room[i])));
+    }
+}
+
+/* Camera 0 shares no placement with the three others, which are a group of their own. The
+ * clock of its first camera is no parameter: the others are late by it. */
+static void test_the_first_clock_of_each_group_is_not_told(void)
+{
+    static const motion_scene SCENE = {4, 4, 4, 30, 0.35, 0.8, 10, 0.01, 0, 0, 0.3};
+    test_rng rng = test_seed(77);
+    rigcal_rig_fit fit;
+
+    TEST_WANTS_RAM(sizeof m + sizeof x + 20000);
+    test_motions_make(&m, &rng, &SCENE);
+    test_motions_solve(&m);
+    m.clocks.free_offsets = 0;
+    m.rig.clocks = &m.clocks;
+    m.rig.left_out = m.left_out;
+    for (size_t v = 0; v < m.rig.n_views; v++) {
+        m.left_out[v] = (m.views[v].camera == 0) != (m.views[v].placement < 4);
+    }
+    ASSERT_STATUS(RIGCAL_DISCONNECTED, rigcal_rig_adjust(&fit, NULL, &m.rig));
+    memset(&x, 0, sizeof x);
+    x.options.work = x.work;
+    x.options.work_capacity = sizeof x.work / sizeof *x.work;
+    x.options.kinds = RIGCAL_FAULTS_OF(RIGCAL_FAULT_CLOCKS);
+    x.rig = m.rig;
+    TEST_ASSERT_TRUE(
+        rigcal_rig_faults(&x.found, x.faults, FAULTS, NULL, &x.options, &x.rig) >= 0);
+    const rigcal_fault *const all = fault_of(&x, RIGCAL_FAULT_CLOCKS, -1);
+
+    TEST_ASSERT_EQUAL_INT32(2, all->n);
+    TEST_ASSERT_EQUAL_INT32(1, all->is_seen);
+    for (int c = 2; c < 4; c++) {
+        ASSERT_NEAR(m.true_offsets[c] - m.true_offsets[1], all->value[c - 2],
+                    5 * D(all->sigma[c - 2]));
     }
 }
 
@@ -730,6 +768,43 @@ static void test_less_memory_takes_more_passes_and_finds_the_same(void)
                   rigcal_rig_faults(&x.found, x.faults, FAULTS, NULL, &x.options, &x.rig));
 }
 
+/* The least memory is enough for each kind, whichever others are asked for. */
+static void test_each_kind_by_itself_is_as_among_the_others(void)
+{
+    static rigcal_fault faults[FAULTS];
+    int seen = 0;
+
+    WANTS_A_RIG;
+    set_up(&x, 1);
+    test_it(&x);
+    const int n = x.found.n;
+    memcpy(faults, x.faults, sizeof faults);
+    x.options.work_capacity = RIGCAL_FAULTS_LEAST(CAMERAS - 1, CAMERAS);
+    for (int32_t kind = 0; kind < RIGCAL_FAULT_KINDS; kind++) {
+        x.options.kinds = RIGCAL_FAULTS_OF(kind);
+        test_it(&x);
+        for (int i = 0; i < n; i++) {
+            if (faults[i].kind == kind) {
+                const rigcal_fault *const alone = fault_of(&x, kind, faults[i].camera);
+
+                for (int k = 0; k < RIGCAL_FAULT_VALUES; k++) {
+                    const double sigma = D(faults[i].sigma[k]);
+
+                    ASSERT_NEAR(faults[i].value[k], alone->value[k],
+                                TOL(1e-9, 1e-3) * sigma);
+                    ASSERT_NEAR(sigma, alone->sigma[k], TOL(1e-9, 1e-3) * sigma);
+                }
+                ASSERT_NEAR(faults[i].turn, alone->turn,
+                            TOL(1e-9, 1e-3) * D(faults[i].turn));
+                ASSERT_NEAR(faults[i].shift, alone->shift,
+                            TOL(1e-9, 1e-3) * D(faults[i].shift));
+                seen++;
+            }
+        }
+    }
+    TEST_ASSERT_EQUAL_INT(n, seen);
+}
+
 static void test_a_short_list_has_the_best(void)
 {
     rigcal_fault two[2];
@@ -981,6 +1056,86 @@ static void test_of_a_target_that_stands_still_no_clock_is_told(void)
     }
 }
 
+/* Times may have any unit. One of 2^-10 s changes no digit: what has the unit of a time is
+ * 2^10 times as large. */
+static void test_the_unit_of_time_changes_no_fault(void)
+{
+    static rigcal_fault faults[FAULTS];
+    int n = 0;
+
+    WANTS_A_RIG;
+    for (int is_small = 0; is_small < 2; is_small++) {
+        set_up(&x, 2);
+        for (int p = 0; p < PLACEMENTS && is_small; p++) {
+            x.times[p] *= 1024;
+        }
+        x.with_clocks.frame *= (rigcal_real)(is_small ? 1024 : 1);
+        (void)least_sum(&x);
+        test_it(&x);
+        for (int i = 0; i < n; i++) {
+            const int has_time = faults[i].kind == RIGCAL_FAULT_CLOCK ||
+                                 faults[i].kind == RIGCAL_FAULT_CLOCKS;
+            const double unit = has_time ? 1024 : 1;
+            const rigcal_fault *const seen = fault_of(&x, faults[i].kind, faults[i].camera);
+
+            TEST_ASSERT_EQUAL_INT32(faults[i].is_seen, seen->is_seen);
+            TEST_ASSERT_EQUAL_INT32(faults[i].n, seen->n);
+            for (int k = 0; k < RIGCAL_FAULT_VALUES; k++) {
+                if (faults[i].kind != RIGCAL_FAULT_SHUTTER) {
+                    ASSERT_NEAR(unit * D(faults[i].value[k]), seen->value[k], 0);
+                    ASSERT_NEAR(unit * D(faults[i].sigma[k]), seen->sigma[k], 0);
+                }
+            }
+            ASSERT_NEAR(faults[i].gain, seen->gain, 0);
+        }
+        n = x.found.n;
+        memcpy(faults, x.faults, sizeof faults);
+    }
+    TEST_ASSERT_TRUE(n > 10);
+}
+
+/* Poses and clocks that are some sigma beside their optimum give the same faults: to first
+ * order the equations take such a step into account. */
+static void test_a_rig_beside_its_optimum_has_the_same_faults(void)
+{
+    static rigcal_fault faults[FAULTS];
+
+    WANTS_A_RIG;
+    for (int way = 0; way < 3; way++) {
+        test_rng rng = test_seed(73 + (uint64_t)way);
+        int n_seen = 0;
+
+        set_up(&x, 3);
+        set_clocks(&x, way > 0, way > 1, way > 0 ? 0.001 : 0);
+        (void)least_sum(&x);
+        test_it(&x);
+        memcpy(faults, x.faults, sizeof faults);
+        for (int c = 1; c < CAMERAS; c++) {
+            double R[9], t[3], d[6];
+
+            for (int k = 0; k < 6; k++) {
+                d[k] = 1e-4 * test_normal(&rng);
+            }
+            test_transform_parts(R, t, &x.cams[c]);
+            test_move(R, t, d);
+            x.cams[c] = test_transform(R, t);
+            x.offsets[c] += (rigcal_real)(way > 0 ? 1e-4 * test_normal(&rng) : 0);
+        }
+        const int n = x.found.n;
+        test_it(&x);
+        for (int i = 0; i < n; i++) {
+            const rigcal_fault *const seen = fault_of(&x, faults[i].kind, faults[i].camera);
+
+            for (int k = 0; k < seen->n && faults[i].kind != RIGCAL_FAULT_MOVED; k++) {
+                ASSERT_NEAR(faults[i].value[k], seen->value[k],
+                            TOL(0.05, 0.2) * D(faults[i].sigma[k]));
+                n_seen += seen->is_seen;
+            }
+        }
+        TEST_ASSERT_TRUE(n_seen > 10);
+    }
+}
+
 /* The board in another frame, in which all its points have Y = 0. */
 static void test_a_board_in_the_plane_of_x_and_z_has_the_same_cameras(void)
 {
@@ -1102,6 +1257,7 @@ static void test_narrow_cameras_have_the_same_faults_whichever_is_held(void)
                 ASSERT_NEAR(other->gain, seen->gain, 1e-5);
                 ASSERT_NEAR(other->sigma[0], seen->sigma[0], 1e-4 * D(other->sigma[0]));
                 ASSERT_NEAR(other->value[0], seen->value[0], 1e-4 * D(other->sigma[0]));
+                ASSERT_NEAR(other->turn, seen->turn, 1e-3 * D(other->turn));
             }
         }
     }
@@ -1506,6 +1662,44 @@ static void test_arguments_are_checked_from_both_sides(void)
 
 /* ---- columns -------------------------------------------------------------------- */
 
+/* What lies behind the cameras of the rig does not matter, also where the camera that has
+ * the fault is held and the others move in its place. */
+static void test_what_is_behind_the_cameras_of_the_rig_does_not_matter(void)
+{
+    static const uint8_t ROLES[CAMERAS] = {RIGCAL_CAMERA_FREE, RIGCAL_CAMERA_HELD,
+                                           RIGCAL_CAMERA_FREE};
+    static rigcal_fault faults[FAULTS];
+
+    WANTS_A_RIG;
+    set_up(&x, 3);
+    x.rig.roles = ROLES;
+    (void)least_sum(&x);
+    test_it(&x);
+    memcpy(faults, x.faults, sizeof faults);
+    x.cams[CAMERAS] = x.cams[0];
+    x.group[CAMERAS] = x.group[0];
+    test_it(&x);
+    TEST_ASSERT_EQUAL_MEMORY(faults, x.faults, (size_t)x.found.n * sizeof faults[0]);
+}
+
+/* Memory comes from the first of two pieces that has enough of it. */
+static void test_memory_is_of_the_first_piece_that_has_it(void)
+{
+    rigcal_real first[4], second[6];
+    rc_pool pool = {{first, second}, {4, 6}, 1};
+
+    TEST_ASSERT_EQUAL_PTR(first, rc_pool_take(&pool, 3));
+    TEST_ASSERT_EQUAL_PTR(second, rc_pool_take(&pool, 2));
+    TEST_ASSERT_EQUAL_PTR(first + 3, rc_pool_take(&pool, 1));
+    TEST_ASSERT_EQUAL_PTR(first + 4, rc_pool_take(&pool, 0));
+    TEST_ASSERT_EQUAL_PTR(second + 2, rc_pool_take(&pool, 4));
+    TEST_ASSERT_EQUAL_INT(1, pool.is_enough);
+    TEST_ASSERT_NULL(rc_pool_take(&pool, 1));
+    TEST_ASSERT_EQUAL_INT(0, pool.is_enough);
+    TEST_ASSERT_EQUAL_UINT64(0, pool.left[0]);
+    TEST_ASSERT_EQUAL_UINT64(0, pool.left[1]);
+}
+
 /* Camera 0 may be free too, where another one has the reference clock. */
 static void test_free_clocks_are_counted_from_camera_0(void)
 {
@@ -1537,6 +1731,7 @@ TEST_MAIN()
     RUN_TEST(test_a_camera_that_moved_is_another_one_with_free_clocks);
     RUN_TEST(test_clocks_that_are_free_are_not_found);
     RUN_TEST(test_four_free_clocks_need_the_stated_memory);
+    RUN_TEST(test_the_first_clock_of_each_group_is_not_told);
     RUN_TEST(test_small_images_have_the_faults_of_large_ones);
     RUN_TEST(test_without_times_no_clock_is_tested_and_that_is_told);
     RUN_TEST(test_placements_far_apart_in_time_have_no_motion);
@@ -1545,6 +1740,7 @@ TEST_MAIN()
     RUN_TEST(test_the_budget_of_a_step_changes_no_bit);
     RUN_TEST(test_a_budget_is_a_number_of_units);
     RUN_TEST(test_less_memory_takes_more_passes_and_finds_the_same);
+    RUN_TEST(test_each_kind_by_itself_is_as_among_the_others);
     RUN_TEST(test_a_short_list_has_the_best);
     RUN_TEST(test_the_covariance_stays);
     RUN_TEST(test_points_beyond_4_sigma_do_not_count_where_they_are_left_out);
@@ -1553,6 +1749,8 @@ TEST_MAIN()
     RUN_TEST(test_clocks_without_their_memory_are_refused);
     RUN_TEST(test_views_of_three_points_have_no_loop);
     RUN_TEST(test_of_a_target_that_stands_still_no_clock_is_told);
+    RUN_TEST(test_the_unit_of_time_changes_no_fault);
+    RUN_TEST(test_a_rig_beside_its_optimum_has_the_same_faults);
     RUN_TEST(test_a_board_in_the_plane_of_x_and_z_has_the_same_cameras);
     RUN_TEST(test_a_fault_of_a_camera_that_is_held_is_that_of_an_adjustment);
     RUN_TEST(test_narrow_cameras_have_the_same_faults_whichever_is_held);
@@ -1570,5 +1768,7 @@ TEST_MAIN()
     RUN_TEST(test_the_limit_of_truncation_is_4_sigma);
     RUN_TEST(test_a_view_that_is_wrong_is_named);
     RUN_TEST(test_arguments_are_checked_from_both_sides);
+    RUN_TEST(test_what_is_behind_the_cameras_of_the_rig_does_not_matter);
+    RUN_TEST(test_memory_is_of_the_first_piece_that_has_it);
     RUN_TEST(test_free_clocks_are_counted_from_camera_0);
 }

@@ -267,6 +267,38 @@ static void test_the_same_bits_whatever_the_budgets(void)
     }
 }
 
+/* How many steps of this budget a choice takes. */
+static int steps_of(int32_t budget)
+{
+    rigcal_choose_solver solver;
+    int n = 1;
+
+    ASSERT_STATUS(RIGCAL_OK, rigcal_choose_begin(&solver, &t.choice, &t.rig));
+    while (rigcal_choose_step(&solver, budget) == RIGCAL_RUNNING) {
+        n++;
+    }
+    return n;
+}
+
+/* The first units read one view each. */
+static void test_a_budget_is_a_number_of_units(void)
+{
+    test_rng rng = test_seed(536);
+    rigcal_choose_solver solver;
+
+    WANTS_RIG;
+    simulate(&rng, 3, 6, 10, 1);
+    ASSERT_STATUS(RIGCAL_OK, rigcal_choose_begin(&solver, &t.choice, &t.rig));
+    for (size_t v = 1; v < 6; v++) {
+        ASSERT_STATUS(RIGCAL_RUNNING, rigcal_choose_step(&solver, 1));
+        TEST_ASSERT_EQUAL(v, solver.check.view);
+    }
+    const int units = steps_of(1);
+    for (int32_t budget = 2; budget < 40; budget++) {
+        TEST_ASSERT_EQUAL_INT((units + budget - 1) / budget, steps_of(budget));
+    }
+}
+
 static rigcal_status first_from(rigcal_view_pose *pose, size_t index, void *context)
 {
     *pose = ((test_tags *)context)->own[index];
@@ -366,7 +398,8 @@ static void test_a_wrong_view_is_left_out(void)
 
     WANTS_RIG;
     for (int trial = 0; trial < TEST_TRIALS(10); trial++) {
-        const size_t bad = (size_t)(test_next(&rng) % 40), like = (bad + 4) % 40;
+        const size_t bad = trial > 0 ? (size_t)(test_next(&rng) % 40) : 0;
+        const size_t like = (bad + 4) % 40;
 
         simulate(&rng, 4, 10, 10, 1);
         t.own[bad].cam_from_target = t.own[like].cam_from_target;
@@ -450,7 +483,8 @@ static rigcal_status choose_two_of_three(uint64_t seed, int n_right, int n)
 }
 
 /* Two cameras that agree in most of their placements are believed against a third one. They
- * are not if they agree in less than half, or in only two placements. */
+ * are not if they agree in less than half, or in only two placements. The placement that
+ * joins them does not count. */
 static void test_two_cameras_that_agree_are_believed_against_a_third(void)
 {
     WANTS_RIG;
@@ -464,7 +498,22 @@ static void test_two_cameras_that_agree_are_believed_against_a_third(void)
         }
         ASSERT_STATUS(RIGCAL_ERR_CONTRADICTION, choose_two_of_three(seed, 4, 10));
         ASSERT_STATUS(RIGCAL_ERR_CONTRADICTION, choose_two_of_three(seed, 2, 2));
+        TEST_ASSERT_TRUE(choose_two_of_three(seed, 6, 11) >= 0); /* five of ten */
+        ASSERT_STATUS(RIGCAL_ERR_CONTRADICTION, choose_two_of_three(seed, 5, 10));
+        ASSERT_STATUS(RIGCAL_ERR_CONTRADICTION, choose_two_of_three(seed, 5, 11));
     }
+}
+
+/* Another pose, turned by one radian about the target's own point. */
+static rigcal_transform turned_far(const rigcal_transform *pose)
+{
+    static const double axis[3] = {0.6, 0, 0.8};
+    double R[9], at[3], turn[9], out[9];
+
+    test_transform_parts(R, at, pose);
+    test_rotation_about(turn, axis, 1);
+    test_product(out, turn, R);
+    return test_transform(out, at);
 }
 
 /* Right views that disagree by more than noise: all poses are off by 4 sigma more. */
@@ -479,6 +528,20 @@ static void test_what_is_more_than_noise_raises_the_limit(void)
     TEST_ASSERT_TRUE(D(t.choice.tau2) >= 4);
     TEST_ASSERT_TRUE(D(t.choice.share) >= 0.8);
     TEST_ASSERT_EQUAL(0, test_tags_wrong(&t));
+    TEST_ASSERT_TRUE(t.choice.n_left_out <= 2);
+    for (size_t v = 13; v < 40; v += 8) { /* wrong, and stated to be exact */
+        t.own[v].cam_from_target = turned_far(&t.own[v].cam_from_target);
+        t.second[v].n = 0;
+        for (int k = 0; k < 21; k++) {
+            t.own[v].information[k] *= 100;
+        }
+    }
+    ASSERT_STATUS(RIGCAL_OK, choose());
+    TEST_ASSERT_TRUE(D(t.choice.tau2) >= 4);
+    TEST_ASSERT_TRUE(t.choice.n_left_out <= 4 + 2);
+    for (size_t v = 13; v < 40; v += 8) {
+        TEST_ASSERT_EQUAL_UINT8(RIGCAL_TAKES_NONE, t.takes[v]);
+    }
 }
 
 /* The noise is the median of the estimates from the fits. A few blurred views do not change
@@ -531,18 +594,6 @@ static void test_the_median_by_hand(void)
     ASSERT_STATUS(RIGCAL_OK, choose());
 }
 
-/* Another pose, turned by one radian about the target's own point. */
-static rigcal_transform turned_far(const rigcal_transform *pose)
-{
-    static const double axis[3] = {0.6, 0, 0.8};
-    double R[9], at[3], turn[9], out[9];
-
-    test_transform_parts(R, at, pose);
-    test_rotation_about(turn, axis, 1);
-    test_product(out, turn, R);
-    return test_transform(out, at);
-}
-
 /* ---- frames -------------------------------------------------------------- */
 
 static void test_a_held_camera_is_the_frame(void)
@@ -589,16 +640,12 @@ static void test_a_held_camera_is_the_frame(void)
     }
 }
 
-/* Cameras 0 and 2 share no placement with 1, 3 and 4. Each group must be the same as
- * without the other. */
-static void test_groups_have_frames_of_their_own(void)
+/* Cameras 0 and 2 share no placement with 1, 3 and 4. */
+static void simulate_groups(test_rng *rng)
 {
-    static const rigcal_transform ORIGIN = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
-    test_rng rng = test_seed(552);
     size_t n = 0;
 
-    WANTS_RIG;
-    simulate(&rng, 5, 12, 10, 1);
+    simulate(rng, 5, 12, 10, 1);
     for (size_t v = 0; v < t.rig.n_views; v++) {
         const int is_even = t.views[v].camera == 0 || t.views[v].camera == 2;
 
@@ -610,6 +657,44 @@ static void test_groups_have_frames_of_their_own(void)
         }
     }
     t.rig.n_views = n;
+}
+
+static rigcal_status first_of_views(rigcal_view_pose *pose, size_t index, void *context)
+{
+    return index < t.rig.n_views ? first_from(pose, index, context) : RIGCAL_ERR_DAMAGED;
+}
+
+static rigcal_status second_of_views(rigcal_view_pose *pose, size_t index, void *context)
+{
+    return index < t.rig.n_views ? second_from(pose, index, context) : RIGCAL_ERR_DAMAGED;
+}
+
+/* A camera that shares nothing with those that have joined has no hypothesis. */
+static void test_no_view_is_asked_for_that_is_not_there(void)
+{
+    test_rng rng = test_seed(552);
+
+    WANTS_RIG;
+    for (int trial = 0; trial < TEST_TRIALS(6); trial++) {
+        simulate_groups(&rng);
+        t.rig.view_poses = NULL;
+        t.rig.view_pose_source = first_of_views;
+        t.rig.context = &t;
+        t.choice.second_poses = NULL;
+        t.choice.second_source = second_of_views;
+        ASSERT_STATUS(RIGCAL_DISCONNECTED, choose());
+    }
+}
+
+/* Each group must be the same as without the other. */
+static void test_groups_have_frames_of_their_own(void)
+{
+    static const rigcal_transform ORIGIN = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
+    test_rng rng = test_seed(552);
+
+    WANTS_RIG;
+    simulate_groups(&rng);
+    const size_t n = t.rig.n_views;
     ASSERT_STATUS(RIGCAL_DISCONNECTED, choose());
     TEST_ASSERT_EQUAL_INT32(0, t.group[0]);
     TEST_ASSERT_EQUAL_INT32(1, t.group[1]);
@@ -710,6 +795,50 @@ static void test_a_doubtful_placement_does_not_count(void)
     }
 }
 
+/* Which camera sees which of 14 placements. */
+static int sees(int camera, int placement)
+{
+    static const char *const SEEN[5] = {"11111111110000", "11111111000000",
+                                        "00000000110111", "11111100110000",
+                                        "10000000001111"};
+    return SEEN[camera][placement] == '1' || (camera < 2 && placement == 10);
+}
+
+/* Camera 0 was bumped while it saw placements 8 and 9, in which camera 2 agrees with it.
+ * Camera 3, which joins first, contradicts that. So camera 2 waits until camera 4, which
+ * shares one placement only, has joined. The poses are exact. */
+static void test_what_a_camera_contradicts_joins_no_other(void)
+{
+    static const double BUMP[9] = {0.8, -0.6, 0, 0.6, 0.8, 0, 0, 0, 1}, AT[3] = {0, 0, 0};
+    const rigcal_transform bump = test_transform(BUMP, AT);
+    test_rng rng = test_seed(559);
+    size_t n = 0;
+
+    WANTS_RIG;
+    simulate(&rng, 5, 14, 10, 1);
+    for (size_t v = 0; v < t.rig.n_views; v++) {
+        const int c = t.views[v].camera, f = t.views[v].placement;
+
+        if (sees(c, f)) {
+            rigcal_view_pose *const own = &t.own[n];
+
+            *own = t.own[v];
+            own->cam_from_target = test_times(&t.true_cams[c], &t.true_places[f]);
+            if (c == 0 && (f == 8 || f == 9)) {
+                own->cam_from_target = test_times(&bump, &own->cam_from_target);
+            }
+            t.second[n++].n = 0;
+        }
+    }
+    t.rig.n_views = n;
+    t.rig.sigma_px = RC(0.3);
+    ASSERT_STATUS(RIGCAL_OK, choose());
+    for (int c = 0; c < 5; c++) {
+        ASSERT_TRANSFORM(&t.true_cams[c], &t.cams[c], TOL(1e-6, 1e-2), TOL(1e-6, 1e-2));
+    }
+    TEST_ASSERT_EQUAL(2, t.choice.n_left_out);
+}
+
 /* Twelve cameras, of which the last two are the same camera twice. More than eight views of
  * a placement do not place it again. */
 enum { MANY = TEST_ONE_IN > 1 ? 1 : 12 };
@@ -748,6 +877,93 @@ static void test_many_cameras_and_two_that_are_alike(void)
     TEST_ASSERT_EQUAL(0, many.choice.n_left_out);
     ASSERT_TRANSFORM(&many.cams[MANY - 2], &many.cams[MANY - 1], TOL(1e-9, 1e-3),
                      TOL(1e-8, 1e-2));
+}
+
+/* The poses of the last placement are all wrong where the view has much information, and
+ * none is wrong as another. The eight of most information may place it: the right ones if
+ * one of these is right. */
+static void test_the_eight_views_of_most_information_place_a_placement(void)
+{
+    TEST_ON_HOST_ONLY("memory of twelve cameras");
+    for (int n_wrong = 7; n_wrong < 9; n_wrong++) {
+        test_rng rng = test_seed(560);
+
+        make_many(&rng);
+        for (size_t v = 0; v < many.rig.n_views; v++) {
+            rigcal_view_pose *const own = &many.own[v];
+
+            own->cam_from_target =
+                test_times(&many.true_cams[own->camera], &many.true_places[own->placement]);
+            many.second[v].n = 0;
+            if (own->placement == 3 && own->camera >= MANY - n_wrong) {
+                own->cam_from_target = test_random_transform(&rng);
+                for (int k = 0; k < 21; k++) {
+                    own->information[k] *= 1000;
+                }
+            }
+        }
+        many.rig.sigma_px = RC(0.3);
+        ASSERT_STATUS(RIGCAL_OK, rigcal_rig_choose(&many.choice, NULL, &many.rig));
+        const rigcal_transform now = test_times(&many.cams[0], &many.places[3]);
+        const rigcal_transform truth = test_times(&many.true_cams[0], &many.true_places[3]);
+        const double off = fabs(D(now.t[0]) - D(truth.t[0])) +
+                           fabs(D(now.t[1]) - D(truth.t[1])) +
+                           fabs(D(now.t[2]) - D(truth.t[2]));
+
+        TEST_ASSERT_EQUAL_INT(n_wrong < 8, off < TOL(1e-6, 1e-2));
+    }
+}
+
+/* Of the first seven cameras three see placement 3 where it is, and three agree better on
+ * another place. The eighth camera joins last of these and is the fourth that is right. The
+ * ninth, which sees nothing else, joins by where the placement is then. */
+static void test_the_eighth_camera_places_a_placement_anew(void)
+{
+    static const double NEAR[6] = {1e-3, -1e-3, 1e-3, 1e-3, 1e-3, -1e-3};
+    test_rng rng = test_seed(563);
+    size_t n = 0;
+
+    TEST_ON_HOST_ONLY("memory of twelve cameras");
+    make_many(&rng);
+    const rigcal_transform elsewhere = turned_far(&many.true_places[3]);
+    for (size_t v = 0; v < many.rig.n_views; v++) {
+        const int c = many.views[v].camera, f = many.views[v].placement;
+        const int is_wrong = f == 3 && c > 2 && c < 6;
+
+        if (c < 7 || (c == 7 && f != 2) || (c == 8 && f == 3)) {
+            rigcal_view_pose *const own = &many.own[n];
+
+            *own = many.own[v];
+            own->cam_from_target = test_times(&many.true_cams[c],
+                                              is_wrong ? &elsewhere : &many.true_places[f]);
+            if (f == 3 && c == 6) {
+                own->cam_from_target = test_random_transform(&rng);
+            } else if (f == 3 && !is_wrong) {
+                double R[9], t_near[3], d[6];
+
+                for (int k = 0; k < 6; k++) {
+                    d[k] = c % 2 ? -NEAR[k] : NEAR[(k + c) % 6];
+                }
+                test_transform_parts(R, t_near, &own->cam_from_target);
+                test_move(R, t_near, d);
+                own->cam_from_target = test_transform(R, t_near);
+            }
+            for (int k = 0; k < 21 && is_wrong; k++) {
+                own->information[k] *= 4; /* the three are the first to join */
+            }
+            many.second[n++].n = 0;
+        }
+    }
+    many.rig.n_views = n;
+    many.rig.n_cameras = 9;
+    many.rig.sigma_px = RC(0.3);
+    ASSERT_STATUS(RIGCAL_OK, rigcal_rig_choose(&many.choice, NULL, &many.rig));
+    TEST_ASSERT_EQUAL(4, many.choice.n_left_out);
+    const rigcal_transform back = test_inverse(&many.cams[0]);
+    const rigcal_transform true_back = test_inverse(&many.true_cams[0]);
+    const rigcal_transform now = test_times(&many.cams[8], &back);
+    const rigcal_transform truth = test_times(&many.true_cams[8], &true_back);
+    ASSERT_TRANSFORM(&truth, &now, 0.02, 0.1);
 }
 
 /* How many other links of camera a come before its link to b: those of more information,
@@ -816,6 +1032,8 @@ static void assert_at_fault(rigcal_status expected, int32_t view)
 static void test_what_is_refused(void)
 {
     test_rng rng = test_seed(561);
+    static const uint8_t left_out[12] = {1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1};
+    uint8_t roles[3] = {RIGCAL_CAMERA_FREE, RIGCAL_CAMERA_FREE, RIGCAL_CAMERA_FREE};
     rigcal_view_pose kept;
     rigcal_choose_solver solver;
     size_t capacity;
@@ -858,6 +1076,23 @@ static void test_what_is_refused(void)
     assert_at_fault(RIGCAL_ERR_TWICE, 4);
     t.own[4].camera = 1;
     assert_at_fault(RIGCAL_OK, -1);
+    t.rig.roles = roles;
+    for (int c = 0; c < 3; c++) {
+        const rigcal_transform pose = t.cams[c];
+
+        roles[c] = RIGCAL_CAMERA_HELD;
+        t.cams[c].R[4] = 2;
+        assert_at_fault(RIGCAL_ERR_ROTATION, -1);
+        t.cams[c] = pose;
+        assert_at_fault(RIGCAL_OK, -1);
+        roles[c] = RIGCAL_CAMERA_FREE;
+        t.cams[c].R[4] = 2; /* where a free camera is does not matter */
+        assert_at_fault(RIGCAL_OK, -1);
+    }
+    t.rig.roles = NULL;
+    t.rig.left_out = left_out; /* no view is at fault if none is left */
+    assert_at_fault(RIGCAL_ERR_TOO_FEW, -1);
+    t.rig.left_out = NULL;
     capacity = t.rig.work_capacity;
     t.rig.work_capacity = rigcal_choose_work(3, 4, 12) - 1;
     assert_at_fault(RIGCAL_ERR_CAPACITY, -1);
@@ -904,6 +1139,7 @@ TEST_MAIN()
     RUN_TEST(test_the_adjustment_from_the_choice_is_right);
     RUN_TEST(test_the_order_does_not_matter);
     RUN_TEST(test_the_same_bits_whatever_the_budgets);
+    RUN_TEST(test_a_budget_is_a_number_of_units);
     RUN_TEST(test_poses_from_sources);
     RUN_TEST(test_a_placement_that_a_source_changes_joins_nothing);
     RUN_TEST(test_without_second_poses);
@@ -915,11 +1151,15 @@ TEST_MAIN()
     RUN_TEST(test_the_noise_of_the_views);
     RUN_TEST(test_the_median_by_hand);
     RUN_TEST(test_a_held_camera_is_the_frame);
+    RUN_TEST(test_no_view_is_asked_for_that_is_not_there);
     RUN_TEST(test_groups_have_frames_of_their_own);
     RUN_TEST(test_a_camera_by_itself);
     RUN_TEST(test_a_camera_that_joins_by_a_doubtful_placement);
     RUN_TEST(test_a_doubtful_placement_does_not_count);
+    RUN_TEST(test_what_a_camera_contradicts_joins_no_other);
     RUN_TEST(test_many_cameras_and_two_that_are_alike);
+    RUN_TEST(test_the_eight_views_of_most_information_place_a_placement);
+    RUN_TEST(test_the_eighth_camera_places_a_placement_anew);
     RUN_TEST(test_the_best_three_pairs_of_each_camera_are_scored);
     RUN_TEST(test_what_is_refused);
     RUN_TEST(test_after_a_choice_the_rig_is_not_adjusted);

@@ -17,9 +17,10 @@ call most of its functions, those of the layers that include it, and bounds. The
 bounds counts calls, and is compiled with the mutant anew. Tests come in the order of their
 time, divided by the share of this layer's mutants that each killed so far. A test that fails,
 crashes or takes 20 times as long kills the mutant. Where none does and the preset asan is
-built, the first of them run again with the address sanitizer. A survivor is equivalent if
-gcc -O2 makes the same object of it, or equivalent.txt says why no test can kill it; any other
-is printed. Exit status 1 where a survivor is left or equivalent.txt is stale.
+built, a few tests run again with the address sanitizer, those of the layer first. A survivor
+is equivalent if gcc -O2 makes the same object of it, or equivalent.txt says why no test can
+kill it; any other is printed. Exit status 1 where a survivor is left or equivalent.txt is
+stale.
 
 The recorded mutant of a file is, of those that a test killed, the one of the fastest test,
 and of these the first by the seed; recorded.csv names mutant and test. A file without one
@@ -149,6 +150,11 @@ class Source:
                 "const", ";", "{", "}", "(", ",", "static", "sizeof"))
 
 
+def is_own(test: str, layer: str) -> bool:
+    """Whether a test is of this layer."""
+    return test == layer or test.startswith((layer + "_", f"regression_{layer}_"))
+
+
 class Bench:
     """How a file is compiled, and the tests of each layer."""
 
@@ -247,9 +253,11 @@ class Bench:
         return ""
 
 
-    def brief(self, tests: list[str], usual: "Bench") -> list[str]:
-        """The first few tests that do not take minutes with the address sanitizer."""
-        return [test for test in tests if test in self.link and usual.time_of(test) < ASAN_SECONDS][:ASAN_TESTS]
+    def brief(self, layer: str, tests: list[str], usual: "Bench") -> list[str]:
+        """The first few tests that do not take minutes with the address sanitizer. Those of
+        the layer come first: they reach most of its lines."""
+        order = sorted(tests, key=lambda test: not is_own(test, layer))
+        return [test for test in order if test in self.link and usual.time_of(test) < ASAN_SECONDS][:ASAN_TESTS]
 
     def is_same(self, source: Source, mutant: Mutant, lane: int) -> bool:
         """Whether the compiler makes the same object of both. It does so for code that this
@@ -299,7 +307,7 @@ class Results:
         total = sum(n for test, n in kills.items() if test != "compiler")
 
         def cost(test: str) -> float:
-            usual = 0.5 if test == layer or test.startswith((layer + "_", f"regression_{layer}_")) else 0.1
+            usual = 0.5 if is_own(test, layer) else 0.1
             return (0.03 + bench.time_of(test)) * (total + 2) / (kills[test] + 2 * usual)
         return sorted(tests, key=cost)
 
@@ -485,7 +493,7 @@ def main() -> int:
             killer = bench.killer(source, m, [first], lane) if first in bench.link else ""
             order = [] if killer else results.in_order(bench, layer, tests)
             killer = killer or bench.killer(source, m, order, lane)
-            if not killer and asan and (has := asan.brief(order, bench)):
+            if not killer and asan and (has := asan.brief(layer, order, bench)):
                 killer = asan.killer(source, m, has, lane)
                 killer = killer and "asan " + killer
             if not killer and bench.is_same(source, m, lane):

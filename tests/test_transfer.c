@@ -347,6 +347,27 @@ static void test_a_negative_variance_gives_no_transfer(void)
     }
 }
 
+/* How far a and b miss each other has nothing to do with where c is. */
+static void test_the_chi2_of_a_pair_does_not_depend_on_the_third_camera(void)
+{
+    static const double aside[3] = {-1, 0, 0};
+
+    for (int k = 0; k < 6; k++) {
+        rigcal_transfer sure, out;
+
+        stand(2, aside);
+        vary(1, 4, 1e-4);
+        uv[1][1] += 3;
+        ASSERT_STATUS(RIGCAL_OK,
+                      rigcal_transfer_make(&sure, &kept, ABC, uv[0], uv[1], NOISE));
+        vary(2, k, 1e4);
+        ASSERT_STATUS(RIGCAL_OK,
+                      rigcal_transfer_make(&out, &kept, ABC, uv[0], uv[1], NOISE));
+        TEST_ASSERT_TRUE(D(sure.chi2) > 1);
+        ASSERT_NEAR(sure.chi2, out.chi2, TOL(1e-12, 1e-5) * D(sure.chi2));
+    }
+}
+
 /* A dt_x of camera 2 is 256 px, one of camera 1 is 4 in z. So the variance of the pixel, or
  * of the point, is beyond the largest number. On the axis, camera 2 does not see z. */
 static void test_a_variance_beyond_all_numbers_gives_no_transfer(void)
@@ -466,6 +487,7 @@ TEST_MAIN()
     RUN_TEST(test_each_argument_is_needed);
     RUN_TEST(test_each_camera_is_checked);
     RUN_TEST(test_a_negative_variance_gives_no_transfer);
+    RUN_TEST(test_the_chi2_of_a_pair_does_not_depend_on_the_third_camera);
     RUN_TEST(test_a_variance_beyond_all_numbers_gives_no_transfer);
     RUN_TEST(test_a_residual_without_variance_gives_no_transfer);
     RUN_TEST(test_a_candidate_beyond_all_numbers_has_no_chi2);

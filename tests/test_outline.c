@@ -494,8 +494,8 @@ static void test_a_long_arc_is_divided_into_parts(void)
     }
 }
 
-/* Curves that end exactly in a row, 50, where a border goes on. Whatever rounding does, each
- * row has one span: none ends twice or not at all. */
+/* Curves that end exactly in a row, 50, where a border goes on. Whatever rounding does,
+ * each row has one span: none ends twice or not at all. */
 static void test_a_corner_exactly_in_a_row_leaves_no_gap(void)
 {
     test_rng rng = test_seed(4711);

@@ -492,8 +492,8 @@ static void test_wild_starts_end_no_worse_than_they_began(void)
     TEST_ASSERT_GREATER_THAN_INT(400, ended);
 }
 
-/* From a start 0.02 rad beside the truth four evaluations are usually enough, and nearly all
- * refinements take no more than five. */
+/* From a start 0.02 rad beside the truth four evaluations are usually enough, and nearly
+ * all refinements take no more than five. */
 static void test_a_near_start_takes_few_evaluations(void)
 {
     enum { TRIALS = TEST_TRIALS(400) };

@@ -205,8 +205,8 @@ static void test_the_lattice_covers_the_sphere(void)
     TEST_ASSERT_TRUE(farthest < 32 * TEST_PI / 180);
 }
 
-/* Steps through the lattice. The library uses these directions, takes one step for each, and
- * keeps the three with the least cost, best first. */
+/* Steps through the lattice. The library uses these directions, takes one step for each,
+ * and keeps the three with the least cost, best first. */
 static void assert_best_of_lattice(rigcal_search *s)
 {
     const rigcal_lattice *const lattice = &s->from.lattice;
@@ -272,8 +272,8 @@ static void test_the_lattice_can_be_searched_after_few_points_are_spent(void)
     }
 }
 
-/* Of a target narrower than a quarter of its length, three points do not give the turn about
- * its length. So even few points of it begin with the lattice. */
+/* Of a target narrower than a quarter of its length, three points do not give the turn
+ * about its length. So even few points of it begin with the lattice. */
 static void test_few_points_of_a_narrow_target_begin_with_the_lattice(void)
 {
     test_rng rng = test_seed(116);

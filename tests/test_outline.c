@@ -390,7 +390,7 @@ static void random_quartic(double c[2][RIGCAL_SPANS_NODES], test_rng *rng)
  * left out: far from the image its nodes are large, and in float rounded to 1e-4. */
 static void test_the_rows_of_any_curve_are_what_is_inside(void)
 {
-    enum { WIDTH = 120, HEIGHT = 120, STEPS = 2000 };
+    enum { WIDTH = 120, HEIGHT = 120, STEPS = 800 };
     static double at[STEPS + 4][2];
     test_rng rng = test_seed(4712);
 

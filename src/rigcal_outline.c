@@ -258,6 +258,7 @@ RC_APART static rigcal_real crossing_of_t(const rigcal_arc *arc, rigcal_real row
 {
     rigcal_real low = arc->t_low, high = arc->t_high, slope;
     rigcal_real t = low + (high - low) * (row - arc->low) / (arc->high - arc->low);
+    rigcal_real along = RC_FABS(slope_at(arc->a, t));
     for (int i = 0; i < CROSSING_STEPS; i++) {
         const rigcal_real gap = row - value_at(&slope, arc->b, t);
         if (gap > 0) {
@@ -269,8 +270,11 @@ RC_APART static rigcal_real crossing_of_t(const rigcal_arc *arc, rigcal_real row
         if (!((next - low) * (next - high) <= 0)) {
             next = (low + high) / 2;
         }
-        const rigcal_real moved = (next - t) * slope_at(arc->a, t);
+        /* u may turn at one end of the step. */
+        const rigcal_real along_next = RC_FABS(slope_at(arc->a, next));
+        const rigcal_real moved = (next - t) * rc_max(along, along_next);
         t = next;
+        along = along_next;
         if (!(RC_FABS(moved) > NEWTON_PX)) {
             break;
         }

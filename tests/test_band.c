@@ -232,8 +232,8 @@ static void test_near_the_epipole_of_b_a_candidate_has_no_depth(void)
 }
 
 /* A ray near the direction of t, from which it is `sines` standard deviations away. A pixel
- * turns it by columns of D across it, in any way. The largest variance of a direction across
- * is looked for among all. */
+ * turns it by columns of D across it, in any way. The largest variance of a direction
+ * across is looked for among all. */
 static rigcal_status test_beside_t(double sines, test_rng *rng)
 {
     double t[3], across[2][3], D_0[3], D_1[3], largest = 0;

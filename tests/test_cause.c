@@ -281,6 +281,7 @@ static void test_a_camera_is_late(void)
             TEST_ASSERT_EQUAL_INT32(
                 other == c ? RIGCAL_CAUSE_SHIFTED : RIGCAL_CAUSE_UNKNOWN, cause.cause);
             TEST_ASSERT_EQUAL_INT32(other == c ? -1 : 0, cause.shift);
+            TEST_ASSERT_EQUAL_INT32(-1, cause.permutation);
             TEST_ASSERT_EQUAL_INT32(0, cause.is_still);
             TEST_ASSERT_TRUE(cause.n_agree >= 6 && cause.n_views <= 8);
         }
@@ -396,6 +397,22 @@ static void test_the_origin_of_the_target_does_not_matter(void)
         TEST_ASSERT_TRUE(abs(far.n_agree - middle.n_agree) <= TOL(0, 1));
         TEST_ASSERT_EQUAL_INT32(middle.cause, far.cause);
     }
+}
+
+/* The first view of another camera is wrong by half a metre. The turn does not come from
+ * it. */
+static void test_a_turn_does_not_come_from_another_camera(void)
+{
+    WANTS_BOARDS;
+    make(3790, 3, 8);
+    for (int f = 0; f < 8; f++) {
+        test_boards_reverse(&b, test_boards_view(&b, 2, f));
+    }
+    judge();
+    b.own[0].cam_from_target.t[0] += RC(0.5);
+    const rigcal_cause cause = camera_cause(2);
+    TEST_ASSERT_EQUAL_INT32(RIGCAL_CAUSE_TURNED, cause.cause);
+    TEST_ASSERT_EQUAL_INT32(TURNED, cause.permutation);
 }
 
 /* Only one view of the camera shows the whole board. All other views, of other cameras too,
@@ -990,6 +1007,7 @@ TEST_MAIN()
     RUN_TEST(test_all_views_of_a_camera_are_turned);
     RUN_TEST(test_a_camera_is_turned_about_a_far_origin);
     RUN_TEST(test_the_origin_of_the_target_does_not_matter);
+    RUN_TEST(test_a_turn_does_not_come_from_another_camera);
     RUN_TEST(test_a_turn_is_found_from_the_view_that_shows_the_whole_target);
     RUN_TEST(test_of_a_camera_with_other_views_the_cause_is_unknown);
     RUN_TEST(test_the_view_with_which_most_agree_may_be_any);

@@ -167,7 +167,7 @@ static void test_where_the_lens_folds_before_the_border_is_the_fold(void)
     band.camera_b.k1 = RC(-1 / (3 * 0.49));
     TEST_ASSERT_TRUE(rc_edge_begin(&edge, &band));
     for (int side = 0; side < 2; side++) {
-        for (int k = 1; k < 5; k++) {
+        for (int k = 1; k < 7; k++) {
             rigcal_real p[2] = {RC(cos(0.1 * k)), RC(sin(0.1 * k))}, uv[2], J[6];
 
             TEST_ASSERT_TRUE(rc_edge_begin_side(&edge, side, p));

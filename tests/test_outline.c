@@ -390,7 +390,7 @@ static void random_quartic(double c[2][RIGCAL_SPANS_NODES], test_rng *rng)
  * left out: far from the image its nodes are large, and in float rounded to 1e-4. */
 static void test_the_rows_of_any_curve_are_what_is_inside(void)
 {
-    enum { WIDTH = 120, HEIGHT = 120, STEPS = 2000 };
+    enum { WIDTH = 120, HEIGHT = 120, STEPS = 800 };
     static double at[STEPS + 4][2];
     test_rng rng = test_seed(4712);
 
@@ -432,9 +432,9 @@ static void test_the_rows_of_any_curve_are_what_is_inside(void)
             for (int i = 1; i < n && n_crossings < 16; i++) {
                 const double *const p = at[i - 1], *const q = at[i];
 
-                is_grazed |= fabs(p[1] - row) < TOL(0.01, 0.05) &&
-                             fabs(q[1] - row) < TOL(0.01, 0.05);
+                is_grazed |= fabs(p[1] - row) < 0.05 && fabs(q[1] - row) < 0.05;
                 if ((p[1] < row) != (q[1] < row)) {
+                    is_grazed |= fabs(q[0] - p[0]) > TOL(100, 15) * fabs(q[1] - p[1]);
                     crossing[n_crossings++] =
                         p[0] + (row - p[1]) / (q[1] - p[1]) * (q[0] - p[0]);
                 }
@@ -494,8 +494,8 @@ static void test_a_long_arc_is_divided_into_parts(void)
     }
 }
 
-/* Curves that end exactly in a row, 50, where a border goes on. Whatever rounding does, each
- * row has one span: none ends twice or not at all. */
+/* Curves that end exactly in a row, 50, where a border goes on. Whatever rounding does,
+ * each row has one span: none ends twice or not at all. */
 static void test_a_corner_exactly_in_a_row_leaves_no_gap(void)
 {
     test_rng rng = test_seed(4711);

@@ -7,7 +7,10 @@
 #include "test_rigs.h"
 
 enum { N = 3, FREE = 2 };
-static const size_t ABC[N] = {1, 0, 2};
+
+/* Which cameras are a, b and c. Camera 0 is held. */
+static const size_t ORDER[3][N] = {{1, 0, 2}, {0, 2, 1}, {2, 1, 0}};
+static size_t ABC[N];
 static const rigcal_real NOISE[2] = {RC(0.4), RC(0.25)};
 
 static test_rig r;
@@ -56,6 +59,7 @@ static void make(uint64_t seed)
     test_rig_see_all(&r, &rng, 0.3);
     test_rig_solve_views(&r);
     ASSERT_STATUS(RIGCAL_OK, rigcal_rig_adjust(&fit, NULL, &r.rig));
+    memcpy(ABC, ORDER[seed % 3], sizeof ABC);
     clear();
     for (int c = 0; c < N; c++) {
         cameras[c].camera = r.camera[c];
@@ -219,7 +223,7 @@ static void test_where_there_is_no_point_there_is_no_transfer(void)
     rigcal_transfer out;
 
     WANTS_RIG;
-    make(4901);
+    make(4902); /* the order 1, 0, 2 */
     ASSERT_REFUSED(RIGCAL_ERR_RANGE, out,
                    rigcal_transfer_make(&out, &kept, twice, uv[0], uv[1], NOISE));
     ASSERT_REFUSED(RIGCAL_ERR_RANGE, out,
@@ -286,6 +290,7 @@ static void stand(double x, const double t_c[3])
 {
     static const double t[2][3] = {{0, 0, 0}, {1, 0, 0}};
 
+    memcpy(ABC, ORDER[0], sizeof ABC);
     clear();
     memset(Sigma, 0, sizeof Sigma);
     memset(group, 0, sizeof group);
@@ -339,6 +344,27 @@ static void test_a_negative_variance_gives_no_transfer(void)
         vary(at[k].camera, at[k].unknown, -100);
         ASSERT_REFUSED(RIGCAL_ERR_DEGENERATE, out,
                        rigcal_transfer_make(&out, &kept, ABC, uv[0], uv[1], NOISE));
+    }
+}
+
+/* How far a and b miss each other has nothing to do with where c is. */
+static void test_the_chi2_of_a_pair_does_not_depend_on_the_third_camera(void)
+{
+    static const double aside[3] = {-1, 0, 0};
+
+    for (int k = 0; k < 6; k++) {
+        rigcal_transfer sure, out;
+
+        stand(2, aside);
+        vary(1, 4, 1e-4);
+        uv[1][1] += 3;
+        ASSERT_STATUS(RIGCAL_OK,
+                      rigcal_transfer_make(&sure, &kept, ABC, uv[0], uv[1], NOISE));
+        vary(2, k, 1e4);
+        ASSERT_STATUS(RIGCAL_OK,
+                      rigcal_transfer_make(&out, &kept, ABC, uv[0], uv[1], NOISE));
+        TEST_ASSERT_TRUE(D(sure.chi2) > 1);
+        ASSERT_NEAR(sure.chi2, out.chi2, TOL(1e-12, 1e-5) * D(sure.chi2));
     }
 }
 
@@ -461,6 +487,7 @@ TEST_MAIN()
     RUN_TEST(test_each_argument_is_needed);
     RUN_TEST(test_each_camera_is_checked);
     RUN_TEST(test_a_negative_variance_gives_no_transfer);
+    RUN_TEST(test_the_chi2_of_a_pair_does_not_depend_on_the_third_camera);
     RUN_TEST(test_a_variance_beyond_all_numbers_gives_no_transfer);
     RUN_TEST(test_a_residual_without_variance_gives_no_transfer);
     RUN_TEST(test_a_candidate_beyond_all_numbers_has_no_chi2);

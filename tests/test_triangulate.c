@@ -755,6 +755,8 @@ static void test_no_point_near_one_of_wild_views_is_better(void)
             counts[1]++;
             test_to_double(X, point.X, 3);
             TEST_ASSERT_TRUE(test_views_sum(&v, X) < test_infinity()); /* seen by all */
+            ASSERT_NEAR(1, D(point.rms_px) / sqrt(test_views_sum(&v, X) / v.n),
+                        TOL(1e-6, 1e-2)); /* the point is the one whose errors are told */
         } else {
             counts[2] += status == RIGCAL_ERR_PARALLEL;
             TEST_ASSERT_TRUE(status == RIGCAL_ERR_PARALLEL || status == RIGCAL_ERR_BEHIND);

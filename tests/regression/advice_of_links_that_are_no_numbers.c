@@ -1,5 +1,6 @@
 /* For links whose information is NaN or negative, rigcal_rig_advise wrote one line more
  * than it said, beyond the capacity. */
+#include <math.h>
 #include <string.h>
 
 #include "test_rigs.h"

@@ -80,7 +80,7 @@ static void prepare(rigcal_points *points)
 {
     points->is_pinhole = (uint8_t)rc_lens_is_pinhole(points->view.camera);
     points->pixel_size = rc_pixel_size(points->view.camera);
-    points->negligible = rc_negligible(points->pixel_size, points->extent_px);
+    points->negligible *= rc_negligible(points->pixel_size, points->extent_px);
     if (RC_FOR_SPEED && !points->is_pinhole && !rc_lens_is_fisheye(points->view.camera)) {
         points->proved2 = rc_lens_proved(points->view.camera, reach_of(points));
     }
@@ -145,6 +145,7 @@ RC_APART_FAST static rigcal_status measure(rigcal_points *points, rigcal_real uv
     uv_middle[0] = first->uv[0] + uv_shift[0] / total;
     uv_middle[1] = first->uv[1] + uv_shift[1] / total;
     points->n_used = n_used;
+    points->negligible = total / (rigcal_real)(int32_t)n_used; /* the mean weight */
     points->size = size;
     points->extent_px = extent;
     return RIGCAL_OK;

@@ -13,9 +13,9 @@ enum { REFINE_EVALS = 100 };
  * merge. */
 #define SAME_EXACT RC_TOL(1e-6, 1e-3)
 
-/* px^2: three points fit exactly if the sum of their squared errors is no more than
- * this. */
-#define EXACT RC_TOL(1e-11, 1e-5)
+/* times a sum of squared errors that means nothing: three points fit exactly if theirs is no
+ * more than this. */
+#define EXACT RC_TOL(1e9, 100)
 
 /* px: if no noise is stated, a search believes in no more noise than this. */
 #define NOISE_MOST RC(2)
@@ -139,8 +139,7 @@ static int is_exact(const rigcal_pose_solver *s)
 static void end_search(rigcal_pose_solver *s)
 {
     rigcal_optima *const optima = &s->search.optima;
-    const rigcal_real pixel_size = s->search.points.pixel_size;
-    const rigcal_real most = EXACT * pixel_size * pixel_size;
+    const rigcal_real most = EXACT * s->search.points.negligible;
     s->phase = DONE;
     if (!is_exact(s) || s->sigma_px > 0) {
         return;

@@ -228,8 +228,8 @@ RIGCAL_API rigcal_status rigcal_rig_pair(rigcal_transform *b_from_a, rigcal_real
 
 /* Covariance of (w, dt) of rig_from_placements[placement], as if clocks were exact. It
  * evaluates the placement's views once more, all points, also those that a robust
- * adjustment left out. The statuses above, ERR_TOO_FEW (the placement has no view), and those
- * of views. O(n_views) + O(n). */
+ * adjustment left out. The statuses above, ERR_TOO_FEW (the placement has no view), and
+ * those of views. O(n_views) + O(n). */
 RIGCAL_API rigcal_status rigcal_rig_placement(rigcal_real Sigma[36], rigcal_rig *rig,
                                               rigcal_real sigma_px, size_t placement);
 
@@ -238,7 +238,8 @@ RIGCAL_API rigcal_status rigcal_rig_placement(rigcal_real Sigma[36], rigcal_rig 
  * what each of its views loses to the unknowns, trace(H Cov(cam_from_target)). Without
  * priors and free clocks they sum up to the freedom of rigcal_rig_fit. Clocks count as
  * exact. All points count, also those that a robust adjustment left out. The function
- * evaluates every view twice. The statuses of rigcal_rig_placement. O(n_views n_cameras) + O(n). */
+ * evaluates every view twice. The statuses of rigcal_rig_placement. O(n_views n_cameras) +
+ * O(n). */
 RIGCAL_API rigcal_status rigcal_rig_noise(rigcal_real sigma_px[], rigcal_real freedom[],
                                           rigcal_rig *rig);
 

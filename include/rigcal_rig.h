@@ -130,8 +130,8 @@ RIGCAL_API rigcal_status rigcal_view_pose_make(rigcal_view_pose *pose,
 /* Computes all cameras and placements from the poses of the views, which are weighed by
  * their full information matrices. The result is close to maximum likelihood, and the
  * adjustment starts from it. Writes cams_from_rig, rig_from_placements and group. Cameras
- * that are held or have a prior stay where they were. The frame is that of camera 0, if
- * none is held.
+ * that are held stay where they were. The frame of a group is theirs or that of its priors;
+ * if it has neither, it is that of its first camera.
  * OK, RIGCAL_DISCONNECTED, RIGCAL_BUDGET_SPENT, ERR_NULL, ERR_NOT_FINITE, ERR_ROTATION,
  * ERR_RANGE, ERR_TOO_FEW (no camera, no view), ERR_CAPACITY, ERR_TWICE, ERR_UNSORTED,
  * ERR_DEGENERATE (the information of a view or placement is not positive definite), and
@@ -152,7 +152,8 @@ RIGCAL_API rigcal_status rigcal_rig_join_step(rigcal_rig_solver *solver, int32_t
 /* How well an adjusted rig fits. */
 typedef struct rigcal_rig_fit {
     rigcal_real sum;      /* of |du|^2 / sigma_i^2 over all points, and of the priors */
-    rigcal_real freedom;  /* 2 n_points - 6 (free cameras) - 6 (placements seen) */
+    rigcal_real freedom;  /* 2 n_points - 6 (free cameras) - 6 (placements seen) - (offsets
+                             and drifts that were free) */
     rigcal_real sigma_px; /* sqrt(sum / freedom); 0: no freedom */
     size_t n_points;
     int32_t evals; /* evaluations of each view, also those that settle placements */
@@ -226,17 +227,20 @@ RIGCAL_API rigcal_status rigcal_rig_pair(rigcal_transform *b_from_a, rigcal_real
                                          const rigcal_rig *rig, rigcal_real sigma_px,
                                          size_t a, size_t b);
 
-/* Covariance of (w, dt) of rig_from_placements[placement]. It evaluates the placement's
- * views once more. The statuses above, ERR_TOO_FEW (the placement has no view), and those
- * of views. O(n_views) + O(n). */
+/* Covariance of (w, dt) of rig_from_placements[placement], as if clocks were exact. It
+ * evaluates the placement's views once more, all points, also those that a robust
+ * adjustment left out. The statuses above, ERR_TOO_FEW (the placement has no view), and
+ * those of views. O(n_views) + O(n). */
 RIGCAL_API rigcal_status rigcal_rig_placement(rigcal_real Sigma[36], rigcal_rig *rig,
                                               rigcal_real sigma_px, size_t placement);
 
 /* Noise of each camera from its own residuals. sigma_px[n_cameras] is the noise, 0 without
  * freedom. freedom[n_cameras] are the degrees of freedom: 2 n_points of the camera, less
  * what each of its views loses to the unknowns, trace(H Cov(cam_from_target)). Without
- * priors they sum up to the freedom of rigcal_rig_fit. The function evaluates every view
- * twice. The statuses of rigcal_rig_placement. O(n_views n_cameras) + O(n). */
+ * priors and free clocks they sum up to the freedom of rigcal_rig_fit. Clocks count as
+ * exact. All points count, also those that a robust adjustment left out. The function
+ * evaluates every view twice. The statuses of rigcal_rig_placement. O(n_views n_cameras) +
+ * O(n). */
 RIGCAL_API rigcal_status rigcal_rig_noise(rigcal_real sigma_px[], rigcal_real freedom[],
                                           rigcal_rig *rig);
 

@@ -59,7 +59,7 @@ SOLVERS = {
                                      "at_fault", "evals", "n", "view", "first", "placement",
                                      "n_points", "n_seen", "own_sum", "negligible", "given",
                                      "gain", "n_free", "n_used", "loss", "timed", "n_clocks",
-                                     "promised", "row", "sum", "gp", "Hp", "is_trial",
+                                     "promised", "row", "sum", "gp", "Hp", "is_trial", "is_lagging",
                                      "is_last"}),
     "rigcal_seed": ("grow", None),
     "rigcal_choose_solver": ("grow", {"check", "choice", "a", "b", "n", "row", "column", "limit",

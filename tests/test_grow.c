@@ -740,6 +740,31 @@ static void test_a_camera_by_itself(void)
     TEST_ASSERT_EQUAL(0, t.choice.n_left_out);
 }
 
+/* Camera 0 shares no placement with the others, which join first. It begins by itself. */
+static void test_the_first_camera_may_be_apart(void)
+{
+    test_rng rng = test_seed(564);
+    size_t n = 0;
+
+    WANTS_RIG;
+    simulate(&rng, 4, 12, 10, 1);
+    for (size_t v = 0; v < t.rig.n_views; v++) {
+        if ((t.views[v].camera == 0) == (t.views[v].placement % 2 == 0)) {
+            t.own[n] = t.own[v];
+            t.second[n++] = t.second[v];
+        }
+    }
+    t.rig.n_views = n;
+    ASSERT_STATUS(RIGCAL_DISCONNECTED, choose());
+    for (size_t v = 0; v < n; v++) {
+        if (t.own[v].camera == 0) {
+            TEST_ASSERT_EQUAL_UINT8(RIGCAL_TAKES_FIRST, t.takes[v]);
+            ASSERT_TRANSFORM(&t.own[v].cam_from_target, &t.places[t.own[v].placement],
+                             TOL(1e-12, 1e-5), TOL(1e-11, 1e-4));
+        }
+    }
+}
+
 /* Cameras 0 and 1 disagree in the only placement that camera 2 saw too. Camera 2 joins in
  * spite of that, because the rig is connected. */
 static void test_a_camera_that_joins_by_a_doubtful_placement(void)
@@ -1154,6 +1179,7 @@ TEST_MAIN()
     RUN_TEST(test_no_view_is_asked_for_that_is_not_there);
     RUN_TEST(test_groups_have_frames_of_their_own);
     RUN_TEST(test_a_camera_by_itself);
+    RUN_TEST(test_the_first_camera_may_be_apart);
     RUN_TEST(test_a_camera_that_joins_by_a_doubtful_placement);
     RUN_TEST(test_a_doubtful_placement_does_not_count);
     RUN_TEST(test_what_a_camera_contradicts_joins_no_other);

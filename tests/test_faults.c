@@ -1736,6 +1736,27 @@ static void test_what_is_behind_the_cameras_of_the_rig_does_not_matter(void)
     TEST_ASSERT_EQUAL_MEMORY(faults, x.faults, (size_t)x.found.n * sizeof faults[0]);
 }
 
+/* The test of the clocks of eight cameras needs n + k (k + 1) / 2 + 4 k reals of Z for its k
+ * = 7 parameters: G of the n unknowns, I, and four numbers of each. Z ends where T begins. */
+static void test_the_clocks_of_eight_cameras_have_room_for_their_test(void)
+{
+    enum { N = 6 * 7, K = 7 };
+    rigcal_real memory[1000];
+    rc_pool pool = {{memory, memory}, {1000, 0}, 1};
+    rigcal_columns columns;
+    rigcal_rig rig;
+
+    memset(&rig, 0, sizeof rig);
+    memset(&columns, 0, sizeof columns);
+    rig.n_cameras = 8;
+    columns.rig = &rig;
+    columns.n = N;
+    columns.kinds = RIGCAL_FAULTS_OF(RIGCAL_FAULT_CLOCKS);
+    rc_columns_lay_out(&columns, &pool, 0);
+    TEST_ASSERT_EQUAL_INT(1, pool.is_enough);
+    TEST_ASSERT_TRUE(columns.border.T >= columns.border.Z + N + K * (K + 1) / 2 + 4 * K);
+}
+
 /* Memory comes from the first of two pieces that has enough of it. */
 static void test_memory_is_of_the_first_piece_that_has_it(void)
 {
@@ -1825,6 +1846,7 @@ TEST_MAIN()
     RUN_TEST(test_a_view_that_is_wrong_is_named);
     RUN_TEST(test_arguments_are_checked_from_both_sides);
     RUN_TEST(test_what_is_behind_the_cameras_of_the_rig_does_not_matter);
+    RUN_TEST(test_the_clocks_of_eight_cameras_have_room_for_their_test);
     RUN_TEST(test_memory_is_of_the_first_piece_that_has_it);
     RUN_TEST(test_free_clocks_are_counted_from_camera_0);
 }

@@ -1736,8 +1736,8 @@ static void test_what_is_behind_the_cameras_of_the_rig_does_not_matter(void)
     TEST_ASSERT_EQUAL_MEMORY(faults, x.faults, (size_t)x.found.n * sizeof faults[0]);
 }
 
-/* The test of the clocks of eight cameras needs n + k (k + 1) / 2 + 4 k reals of Z for its k
- * = 7 parameters: G of the n unknowns, I, and four numbers of each. Z ends where T begins. */
+/* The test of the clocks of eight cameras has seven parameters. It needs this much of Z: G
+ * of the unknowns, I, and four numbers of each parameter. Z ends where T begins. */
 static void test_the_clocks_of_eight_cameras_have_room_for_their_test(void)
 {
     enum { N = 6 * 7, K = 7 };

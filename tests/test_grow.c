@@ -544,6 +544,19 @@ static void test_what_is_more_than_noise_raises_the_limit(void)
     }
 }
 
+/* Where no views agree at the first two rungs, a higher one is chosen. */
+static void test_noise_that_is_stated_far_too_small_is_found(void)
+{
+    test_rng rng = test_seed(546);
+
+    WANTS_RIG;
+    simulate(&rng, 4, 10, 10, 1);
+    t.rig.sigma_px = RC(0.3 / 40);
+    ASSERT_STATUS(RIGCAL_OK, choose());
+    TEST_ASSERT_TRUE(D(t.choice.tau2) >= 64);
+    TEST_ASSERT_TRUE(D(t.choice.share) >= 0.5);
+}
+
 /* The noise is the median of the estimates from the fits. A few blurred views do not change
  * it. */
 static void test_the_noise_of_the_views(void)
@@ -1173,6 +1186,7 @@ TEST_MAIN()
     RUN_TEST(test_two_placements_can_contradict_each_other);
     RUN_TEST(test_two_cameras_that_agree_are_believed_against_a_third);
     RUN_TEST(test_what_is_more_than_noise_raises_the_limit);
+    RUN_TEST(test_noise_that_is_stated_far_too_small_is_found);
     RUN_TEST(test_the_noise_of_the_views);
     RUN_TEST(test_the_median_by_hand);
     RUN_TEST(test_a_held_camera_is_the_frame);

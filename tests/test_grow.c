@@ -544,6 +544,32 @@ static void test_what_is_more_than_noise_raises_the_limit(void)
     }
 }
 
+/* Four of five placements agree with a hypothesis for noise alone. The fifth is off by more
+ * and more. It is left out, and does not raise the limit. */
+static void test_one_placement_of_five_does_not_raise_the_limit(void)
+{
+    test_rng rng = test_seed(547);
+    int n_off = 0;
+
+    WANTS_RIG;
+    simulate(&rng, 2, 6, 10, 1);
+    t.rig.sigma_px = RC(0.3);
+    for (size_t v = 0; v < t.rig.n_views; v++) {
+        t.own[v].cam_from_target =
+            test_times(&t.true_cams[t.own[v].camera], &t.true_places[t.own[v].placement]);
+        t.second[v].n = 0;
+    }
+    const double x = D(t.own[11].cam_from_target.t[0]);
+    for (double off = 1e-3; off < 3; off *= 1.2) {
+        t.own[11].cam_from_target.t[0] = RC(x + off);
+        ASSERT_STATUS(RIGCAL_OK, choose());
+        ASSERT_NEAR(1, t.choice.tau2, 0);
+        n_off += D(t.choice.share) < 0.9;
+        ASSERT_NEAR(D(t.choice.share) < 0.9 ? 0.8 : 1, t.choice.share, TOL(1e-12, 1e-6));
+    }
+    TEST_ASSERT_TRUE(n_off > 10);
+}
+
 /* Where no views agree at the first two rungs, a higher one is chosen. */
 static void test_noise_that_is_stated_far_too_small_is_found(void)
 {
@@ -1186,6 +1212,7 @@ TEST_MAIN()
     RUN_TEST(test_two_placements_can_contradict_each_other);
     RUN_TEST(test_two_cameras_that_agree_are_believed_against_a_third);
     RUN_TEST(test_what_is_more_than_noise_raises_the_limit);
+    RUN_TEST(test_one_placement_of_five_does_not_raise_the_limit);
     RUN_TEST(test_noise_that_is_stated_far_too_small_is_found);
     RUN_TEST(test_the_noise_of_the_views);
     RUN_TEST(test_the_median_by_hand);

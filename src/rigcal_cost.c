@@ -62,13 +62,13 @@ void rc_judge_begin_pass(rigcal_judge_solver *s, int32_t phase)
 }
 
 /* Evaluates view s->view where the rig is: its sum of squared errors, its equations by its
- * own pose, and its rms. The rms is -1 if the view is left out and cannot be seen there. */
+ * own pose, and its rms. If the view is left out and cannot be seen there, its rms stays as
+ * it is. */
 static rigcal_status evaluate(rigcal_real *sum, rigcal_real g[6], rigcal_real H[21],
                               rc_chain *chain, rigcal_judge_solver *s)
 {
     rigcal_rig_view v;
     rigcal_status status = rc_rig_view_at(&v, s->rig, s->view);
-    s->judged[s->view].rms_px = -1;
     if (status != RIGCAL_OK) {
         return status;
     }

@@ -768,6 +768,60 @@ static void test_less_memory_takes_more_passes_and_finds_the_same(void)
                   rigcal_rig_faults(&x.found, x.faults, FAULTS, NULL, &x.options, &x.rig));
 }
 
+/* The stated memory is enough for two passes. */
+static void test_the_stated_memory_is_enough_for_two_passes(void)
+{
+    WANTS_A_RIG;
+    set_up(&x, 1);
+    x.options.work_capacity = RIGCAL_FAULTS_WORK(CAMERAS - 1, CAMERAS);
+    test_it(&x);
+    TEST_ASSERT_TRUE(x.found.passes <= 2);
+}
+
+/* The least memory with which these kinds take one pass. */
+static size_t room_of(int32_t kinds)
+{
+    size_t low = 0, high = sizeof x.room / sizeof *x.room;
+
+    x.options.kinds = kinds;
+    while (low < high) {
+        const size_t middle = (low + high) / 2;
+
+        x.options.work_capacity = middle;
+        const rigcal_status status =
+            rigcal_rig_faults(&x.found, x.faults, FAULTS, NULL, &x.options, &x.rig);
+        if (status == RIGCAL_OK && x.found.passes == 1) {
+            high = middle;
+        } else {
+            low = middle + 1;
+        }
+    }
+    return high;
+}
+
+/* A column has six reals by the unknowns of a placement, one for each unknown of the
+ * cameras, and five sums. As much again may be lost where a part no longer fits into the
+ * first of two pieces of memory. */
+static void test_what_is_not_asked_for_takes_no_memory(void)
+{
+    const int32_t focal = RIGCAL_FAULTS_OF(RIGCAL_FAULT_FOCAL);
+    const int32_t aspect = RIGCAL_FAULTS_OF(RIGCAL_FAULT_ASPECT);
+    const int32_t clock = RIGCAL_FAULTS_OF(RIGCAL_FAULT_CLOCK);
+    const int32_t lens = RIGCAL_FAULTS_OF(RIGCAL_FAULT_DISTORTION);
+    const int32_t stretched = RIGCAL_FAULTS_OF(RIGCAL_FAULT_STRETCHED);
+    const size_t column = 6 + 6 * (CAMERAS - 1) + 5;
+
+    WANTS_A_RIG;
+    set_up(&x, 1);
+    const size_t one = room_of(focal | aspect);
+
+    TEST_ASSERT_TRUE(one > 0);
+    TEST_ASSERT_TRUE(room_of(focal | aspect | clock) >= one + 6 * CAMERAS);
+    TEST_ASSERT_TRUE(room_of(focal | aspect | lens | stretched) <=
+                     room_of(focal | aspect | lens) + 2 * column);
+    TEST_ASSERT_TRUE(room_of(focal | aspect | lens) <= one + (2 * CAMERAS + 1) * column);
+}
+
 /* The least memory is enough for each kind, whichever others are asked for. */
 static void test_each_kind_by_itself_is_as_among_the_others(void)
 {
@@ -1682,6 +1736,27 @@ static void test_what_is_behind_the_cameras_of_the_rig_does_not_matter(void)
     TEST_ASSERT_EQUAL_MEMORY(faults, x.faults, (size_t)x.found.n * sizeof faults[0]);
 }
 
+/* The test of the clocks of eight cameras has seven parameters. It needs this much of Z: G
+ * of the unknowns, I, and four numbers of each parameter. Z ends where T begins. */
+static void test_the_clocks_of_eight_cameras_have_room_for_their_test(void)
+{
+    enum { N = 6 * 7, K = 7 };
+    rigcal_real memory[1000];
+    rc_pool pool = {{memory, memory}, {1000, 0}, 1};
+    rigcal_columns columns;
+    rigcal_rig rig;
+
+    memset(&rig, 0, sizeof rig);
+    memset(&columns, 0, sizeof columns);
+    rig.n_cameras = 8;
+    columns.rig = &rig;
+    columns.n = N;
+    columns.kinds = RIGCAL_FAULTS_OF(RIGCAL_FAULT_CLOCKS);
+    rc_columns_lay_out(&columns, &pool, 0);
+    TEST_ASSERT_EQUAL_INT(1, pool.is_enough);
+    TEST_ASSERT_TRUE(columns.border.T >= columns.border.Z + N + K * (K + 1) / 2 + 4 * K);
+}
+
 /* Memory comes from the first of two pieces that has enough of it. */
 static void test_memory_is_of_the_first_piece_that_has_it(void)
 {
@@ -1740,6 +1815,8 @@ TEST_MAIN()
     RUN_TEST(test_the_budget_of_a_step_changes_no_bit);
     RUN_TEST(test_a_budget_is_a_number_of_units);
     RUN_TEST(test_less_memory_takes_more_passes_and_finds_the_same);
+    RUN_TEST(test_the_stated_memory_is_enough_for_two_passes);
+    RUN_TEST(test_what_is_not_asked_for_takes_no_memory);
     RUN_TEST(test_each_kind_by_itself_is_as_among_the_others);
     RUN_TEST(test_a_short_list_has_the_best);
     RUN_TEST(test_the_covariance_stays);
@@ -1769,6 +1846,7 @@ TEST_MAIN()
     RUN_TEST(test_a_view_that_is_wrong_is_named);
     RUN_TEST(test_arguments_are_checked_from_both_sides);
     RUN_TEST(test_what_is_behind_the_cameras_of_the_rig_does_not_matter);
+    RUN_TEST(test_the_clocks_of_eight_cameras_have_room_for_their_test);
     RUN_TEST(test_memory_is_of_the_first_piece_that_has_it);
     RUN_TEST(test_free_clocks_are_counted_from_camera_0);
 }

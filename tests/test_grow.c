@@ -544,6 +544,45 @@ static void test_what_is_more_than_noise_raises_the_limit(void)
     }
 }
 
+/* Four of five placements agree with a hypothesis for noise alone. The fifth is off by more
+ * and more. It is left out, and does not raise the limit. */
+static void test_one_placement_of_five_does_not_raise_the_limit(void)
+{
+    test_rng rng = test_seed(547);
+    int n_off = 0;
+
+    WANTS_RIG;
+    simulate(&rng, 2, 6, 10, 1);
+    t.rig.sigma_px = RC(0.3);
+    for (size_t v = 0; v < t.rig.n_views; v++) {
+        t.own[v].cam_from_target =
+            test_times(&t.true_cams[t.own[v].camera], &t.true_places[t.own[v].placement]);
+        t.second[v].n = 0;
+    }
+    const double x = D(t.own[11].cam_from_target.t[0]);
+    for (double off = 1e-3; off < 3; off *= 1.2) {
+        t.own[11].cam_from_target.t[0] = RC(x + off);
+        ASSERT_STATUS(RIGCAL_OK, choose());
+        ASSERT_NEAR(1, t.choice.tau2, 0);
+        n_off += D(t.choice.share) < 0.9;
+        ASSERT_NEAR(D(t.choice.share) < 0.9 ? 0.8 : 1, t.choice.share, TOL(1e-12, 1e-6));
+    }
+    TEST_ASSERT_TRUE(n_off > 10);
+}
+
+/* Where no views agree at the first two rungs, a higher one is chosen. */
+static void test_noise_that_is_stated_far_too_small_is_found(void)
+{
+    test_rng rng = test_seed(546);
+
+    WANTS_RIG;
+    simulate(&rng, 4, 10, 10, 1);
+    t.rig.sigma_px = RC(0.3 / 40);
+    ASSERT_STATUS(RIGCAL_OK, choose());
+    TEST_ASSERT_TRUE(D(t.choice.tau2) >= 64);
+    TEST_ASSERT_TRUE(D(t.choice.share) >= 0.5);
+}
+
 /* The noise is the median of the estimates from the fits. A few blurred views do not change
  * it. */
 static void test_the_noise_of_the_views(void)
@@ -738,6 +777,31 @@ static void test_a_camera_by_itself(void)
     t.rig.n_views = 5;
     ASSERT_STATUS(RIGCAL_DISCONNECTED, choose());
     TEST_ASSERT_EQUAL(0, t.choice.n_left_out);
+}
+
+/* Camera 0 shares no placement with the others, which join first. It begins by itself. */
+static void test_the_first_camera_may_be_apart(void)
+{
+    test_rng rng = test_seed(564);
+    size_t n = 0;
+
+    WANTS_RIG;
+    simulate(&rng, 4, 12, 10, 1);
+    for (size_t v = 0; v < t.rig.n_views; v++) {
+        if ((t.views[v].camera == 0) == (t.views[v].placement % 2 == 0)) {
+            t.own[n] = t.own[v];
+            t.second[n++] = t.second[v];
+        }
+    }
+    t.rig.n_views = n;
+    ASSERT_STATUS(RIGCAL_DISCONNECTED, choose());
+    for (size_t v = 0; v < n; v++) {
+        if (t.own[v].camera == 0) {
+            TEST_ASSERT_EQUAL_UINT8(RIGCAL_TAKES_FIRST, t.takes[v]);
+            ASSERT_TRANSFORM(&t.own[v].cam_from_target, &t.places[t.own[v].placement],
+                             TOL(1e-12, 1e-5), TOL(1e-11, 1e-4));
+        }
+    }
 }
 
 /* Cameras 0 and 1 disagree in the only placement that camera 2 saw too. Camera 2 joins in
@@ -1148,12 +1212,15 @@ TEST_MAIN()
     RUN_TEST(test_two_placements_can_contradict_each_other);
     RUN_TEST(test_two_cameras_that_agree_are_believed_against_a_third);
     RUN_TEST(test_what_is_more_than_noise_raises_the_limit);
+    RUN_TEST(test_one_placement_of_five_does_not_raise_the_limit);
+    RUN_TEST(test_noise_that_is_stated_far_too_small_is_found);
     RUN_TEST(test_the_noise_of_the_views);
     RUN_TEST(test_the_median_by_hand);
     RUN_TEST(test_a_held_camera_is_the_frame);
     RUN_TEST(test_no_view_is_asked_for_that_is_not_there);
     RUN_TEST(test_groups_have_frames_of_their_own);
     RUN_TEST(test_a_camera_by_itself);
+    RUN_TEST(test_the_first_camera_may_be_apart);
     RUN_TEST(test_a_camera_that_joins_by_a_doubtful_placement);
     RUN_TEST(test_a_doubtful_placement_does_not_count);
     RUN_TEST(test_what_a_camera_contradicts_joins_no_other);

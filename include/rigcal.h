@@ -579,6 +579,7 @@ RIGCAL_API rigcal_status rigcal_robust_begin(rigcal_robust_solver *solver,
  *     all three), or one pose scored by all points       (of a pinhole 5); all with
  *   the choice of the points that agree with a good      the next two max_units
  *     pose, one evaluation of them, or its score       20 a good pose
+ *   the ray of one point at last, not of a pinhole     n
  *   the choice of the points that agree at last, one   28
  *     evaluation of them, or one look at their pose
  *   a unit of rigcal_pose_step                         those of 9 searches */

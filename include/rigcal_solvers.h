@@ -17,7 +17,7 @@ extern "C" {
 
 typedef struct rigcal_points {
     rigcal_view view;
-    const uint8_t *mask; /* one for each point: 0: it does not count. NULL: all count */
+    const uint8_t *mask; /* one for each point: 1: it counts. NULL: all count */
     int32_t left_out;    /* index of one more point that does not count, or -1 */
     uint8_t is_mirrored, is_pinhole; /* mirrored: at the origin */
     size_t n_used;                   /* that count */

@@ -25,8 +25,12 @@ typedef struct {
     rigcal_real sum[RC_AGREE_BINS]; /* of their squared distances */
 } rc_agree_histogram;
 
-/* Sets marks[i] to 1 for points within the limit whose pixels have a ray, else to 0. *off
- * gets the distances, unless it is NULL. Returns how many marks changed. */
+/* The mark of a point that stays as it is: the lens images no ray at its pixel. A point
+ * beside the turning point of the lens may be seen near such a pixel. */
+enum { RC_AGREE_NO_RAY = 2 };
+
+/* Sets marks[i] to 1 for points within the limit, else to 0. *off gets the distances,
+ * unless it is NULL. Returns how many marks changed. */
 size_t rc_agree_mark(uint8_t marks[], rc_agree_histogram *off, const rigcal_points *points,
                      const rigcal_transform *cam_from_points, rigcal_real limit);
 

@@ -20,8 +20,8 @@ rigcal_status rc_check_noise(const rigcal_real *sigma_px);
  * size of the image; `pixel_size` comes from rc_pixel_size. */
 rigcal_real rc_negligible(rigcal_real pixel_size, rigcal_real extent_px);
 
-/* Takes all points of a checked view, or those whose `mask` is not 0 (NULL: no mask). Reads
- * no observation. */
+/* Takes all points of a checked view, or those whose `mask` is 1 (NULL: no mask). Reads no
+ * observation. */
 void rc_points_of(rigcal_points *points, const rigcal_view *view, const uint8_t mask[]);
 
 /* Checks the points that count, and finds where they are: fills in the rest of *points.
@@ -36,7 +36,7 @@ rigcal_status rc_points_survey(rigcal_points *points, rigcal_real uv_middle[2],
 RC_INLINE size_t rc_points_next(const rigcal_points *points, size_t i)
 {
     while (i < points->view.n && ((int32_t)i == points->left_out ||
-                                  (points->mask != NULL && points->mask[i] == 0))) {
+                                  (points->mask != NULL && points->mask[i] != 1))) {
         i++;
     }
     return i;

@@ -87,16 +87,6 @@ static void add_to(rc_agree_histogram *off, rigcal_real d2, rigcal_real limit)
     off->sum[k] += d2;
 }
 
-/* Whether the lens images a ray at the pixel of point i. A point next to the lens's turning
- * point may be seen near a pixel that has none. */
-static int has_ray(const rigcal_points *points, size_t i)
-{
-    rigcal_real ray[3];
-    return points->is_pinhole ||
-           rc_pixel_to_ray(ray, points->view.camera, points->view.observations[i].uv) ==
-               RIGCAL_OK;
-}
-
 size_t rc_agree_mark(uint8_t marks[], rc_agree_histogram *off, const rigcal_points *points,
                      const rigcal_transform *cam_from_points, rigcal_real limit)
 {
@@ -108,10 +98,13 @@ size_t rc_agree_mark(uint8_t marks[], rc_agree_histogram *off, const rigcal_poin
         *off = (rc_agree_histogram){{0}, {0}};
     }
     for (size_t i = 0; i < points->view.n; i++) {
+        if (marks[i] == RC_AGREE_NO_RAY) {
+            continue;
+        }
         const rigcal_real d2 = points->is_pinhole
                                    ? off2(&p, points, i, limit)
                                    : rc_points_error2(points, cam_from_points, i);
-        const uint8_t is_near = d2 <= limit && has_ray(points, i);
+        const uint8_t is_near = d2 <= limit;
         changed += is_near != marks[i];
         marks[i] = is_near;
         if (is_near && off != NULL) {

@@ -79,6 +79,7 @@ enum {
     MARKING, /* the points that agree with a new best pose */
     IMPROVING,
     RESCORING,
+    SIGHTING, /* the ray of each point, if rays cost much */
     SETTLING, /* the points that agree with the best pose, once more */
     REFINING,
     SOLVING,
@@ -112,6 +113,13 @@ static void next_sample(rigcal_robust_solver *s)
     }
 }
 
+static void begin_settling(rigcal_robust_solver *s)
+{
+    s->next = 0;
+    s->rounds = 0;
+    s->phase = s->points.is_pinhole ? SETTLING : SIGHTING;
+}
+
 /* Goes to the next triple, unless there have been enough. */
 static void end_sample(rigcal_robust_solver *s)
 {
@@ -119,7 +127,7 @@ static void end_sample(rigcal_robust_solver *s)
     s->next = 0;
     s->phase = SEEING;
     if (s->tried >= s->wanted) {
-        s->phase = SETTLING;
+        begin_settling(s);
     } else {
         next_sample(s);
     }
@@ -313,6 +321,20 @@ static void begin_solving(rigcal_robust_solver *s)
     }
 }
 
+/* Computes one ray. A point without a ray agrees with no pose. */
+static void sighting_step(rigcal_robust_solver *s)
+{
+    const rigcal_view *const view = &s->points.view;
+    const size_t i = (size_t)s->next++;
+    rigcal_real ray[3];
+    if (rc_pixel_to_ray(ray, view->camera, view->observations[i].uv) != RIGCAL_OK) {
+        s->inliers[i] = RC_AGREE_NO_RAY;
+    }
+    if (i + 1 == view->n) {
+        s->phase = SETTLING;
+    }
+}
+
 /* Marks the points that agree with the best pose, and refines it until they stay the same.
  * A search by all points would cost far more. */
 static void settling_step(rigcal_robust_solver *s)
@@ -359,6 +381,15 @@ static void found_pose(rigcal_transform *cam_from_points, const rigcal_robust_so
     rc_vec3_add(cam_from_points->t, turned);
 }
 
+/* Leaves 1 for the points that agree, and 0. */
+static void finish(rigcal_robust_solver *s)
+{
+    for (size_t i = 0; i < s->points.view.n; i++) {
+        s->inliers[i] = s->inliers[i] == 1;
+    }
+    s->phase = DONE;
+}
+
 /* Whether the rival agrees with other points and is none of the poses found. */
 static void rivalling_step(rigcal_robust_solver *s)
 {
@@ -373,7 +404,7 @@ static void rivalling_step(rigcal_robust_solver *s)
             rc_agree_mark(s->inliers, NULL, &s->points, &s->rival, limit_of(s)) > 0;
         (void)rc_agree_mark(s->inliers, NULL, &s->points, &found, limit_of(s));
     }
-    s->phase = DONE;
+    finish(s);
 }
 
 /* Whether chance may explain that the points agree. If not, a rival nearly as good as the
@@ -386,7 +417,11 @@ static void fitting_step(rigcal_robust_solver *s)
     const rigcal_real squared = misfit * misfit;
     s->is_doubtful = !(s->by_chance * squared * squared < CHANCE);
     const int has_rival = s->rival_cost < s->cost + RIVAL_WITHIN * limit_of(s);
-    s->phase = (!s->is_doubtful && has_rival) ? RIVALLING : DONE;
+    if (!s->is_doubtful && has_rival) {
+        s->phase = RIVALLING;
+    } else {
+        finish(s);
+    }
 }
 
 /* Marks the points that agree with the pose found. If they changed, it solves again. */
@@ -527,6 +562,9 @@ static void unit(rigcal_robust_solver *s)
     case RESCORING:
         rescoring_step(s);
         break;
+    case SIGHTING:
+        sighting_step(s);
+        break;
     case SETTLING:
         settling_step(s);
         break;
@@ -560,12 +598,11 @@ rigcal_status rigcal_robust_step(rigcal_robust_solver *solver, int32_t budget)
         return RIGCAL_ERR_STATE;
     }
     for (int32_t i = 0; i < budget && solver->phase != DONE; i++) {
-        if (solver->phase < SETTLING && solver->units++ == solver->max_units) {
+        if (solver->phase < SIGHTING && solver->units++ == solver->max_units) {
             if (solver->phase >= MARKING) {
                 take_good(solver);
             }
-            solver->phase = SETTLING;
-            solver->rounds = 0;
+            begin_settling(solver);
         }
         unit(solver);
     }

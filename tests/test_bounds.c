@@ -817,7 +817,8 @@ static long robust_units(uint64_t seed, int kind)
         units++;
     }
     TEST_ASSERT_LESS_OR_EQUAL_INT(SAMPLES, solver.tried);
-    TEST_ASSERT_LESS_OR_EQUAL_INT(options.max_units + 17 + 9 + 9 * most_units(&s), units);
+    TEST_ASSERT_LESS_OR_EQUAL_INT(
+        options.max_units + 17 + (int)s.n + 9 + 9 * most_units(&s), units);
     return units;
 }
 

@@ -172,9 +172,8 @@ struct rigcal_rig_solver {
     const struct rigcal_rig_given *given; /* reads views: points, or own poses */
     const struct rigcal_rig_given *timed; /* if the rig has clocks: the same without them */
     rigcal_levenberg search;
-    int32_t loss; /* RIGCAL_LOSS_; 0: squares */
+    int32_t loss, is_lagging; /* RIGCAL_LOSS_, 0: squares; the motion lags by a step */
     int32_t phase, is_join, is_trial, is_last, is_final, is_disconnected, at_fault, evals;
-    int32_t is_lagging;              /* the motion is that before the step that was tried */
     size_t n;                        /* unknowns of the cameras that are not held */
     size_t view, first, placement;   /* under way; the first view of the placement */
     size_t row;                      /* row of the factor, or view of the placement */

@@ -285,11 +285,12 @@ static void end_refinement(rigcal_pose_solver *s)
     int32_t same = rc_optima_near(optima, end->cam_from_points.R,
                                   is_exact(s) ? SAME_EXACT : SAME_POSE);
     int is_optimum = status == RIGCAL_OK;
-    if (!s->is_warm && status == RIGCAL_BUDGET_SPENT) {
-        is_optimum = optima->n == 0 || sum < optima->list[0].sse;
-    }
-    if (!s->is_warm && status == RIGCAL_ERR_DEGENERATE) {
-        s->failure = RIGCAL_ERR_DEGENERATE;
+    if (!s->is_warm) {
+        if (status == RIGCAL_BUDGET_SPENT) {
+            is_optimum = optima->n == 0 || sum < optima->list[0].sse;
+        } else if (status == RIGCAL_ERR_DEGENERATE) {
+            s->failure = status;
+        }
     }
     if (same < 0 && s->is_unfinished && sum < optima->list[0].sse) {
         same = 0;
@@ -570,11 +571,11 @@ rigcal_status rigcal_pose_result(rigcal_pose poses[], size_t capacity, size_t *n
         total += rc_pose_likelihood(s, i);
     }
     const size_t n = ((size_t)n_optima < capacity) ? (size_t)n_optima : capacity;
+    *n_found = n;
     for (size_t i = 0; i < n; i++) {
         write_pose(&poses[i], s, (int32_t)i);
         poses[i].probability = rc_pose_likelihood(s, (int32_t)i) / total;
     }
-    *n_found = n;
     const rigcal_status status = caveat_of(s, poses[0].probability);
     RIGCAL_TRACE("verdict: status, probability", status, poses[0].probability);
     return status;

@@ -294,18 +294,16 @@ int rc_seeds_pick(rigcal_search *s)
     return 1;
 }
 
-/* Takes a triple spread over the order of the points that count, and computes its poses.
- * Gathering has shown that all of them have rays. */
+/* Computes the poses of a triple spread over the points that count. All have rays. */
 RC_APART_FAST static int32_t picking_step(rigcal_search *s)
 {
     const size_t n = s->points.view.n, n_used = s->points.n_used;
     rigcal_triple *const triple = &s->work.triple;
     size_t i = n, ahead = (size_t)s->triples++ + 1;
     for (int k = 0; k < 3; k++) {
-        do { /* the first point follows the last */
+        for (; ahead > 0; ahead -= i < n) { /* the first point follows the last */
             i = rc_points_next(&s->points, (i < n) ? i + 1 : 0);
-            ahead -= i < n;
-        } while (ahead > 0);
+        }
         (void)rc_pixel_to_ray(triple->ray[k], s->points.view.camera,
                               s->points.view.observations[i].uv);
         triple->index[k] = (int32_t)i;

@@ -301,9 +301,10 @@ RC_APART_FAST static int32_t picking_step(rigcal_search *s)
     rigcal_triple *const triple = &s->work.triple;
     size_t i = n, ahead = (size_t)s->triples++ + 1;
     for (int k = 0; k < 3; k++) {
-        for (; ahead > 0; ahead -= i < n) { /* the first point follows the last */
+        do { /* the first point follows the last */
             i = rc_points_next(&s->points, (i < n) ? i + 1 : 0);
-        }
+            ahead -= i < n;
+        } while (ahead > 0);
         (void)rc_pixel_to_ray(triple->ray[k], s->points.view.camera,
                               s->points.view.observations[i].uv);
         triple->index[k] = (int32_t)i;
@@ -327,8 +328,7 @@ static int32_t next_exact(rigcal_search *s)
                : RC_SEEDS_BUSY;
 }
 
-/* All poses of a triple have been handed out. At least two triples are tried, or one after
- * a search. */
+/* A triple's poses are spent. At least two triples are tried, or one after a search. */
 static int32_t end_triple(rigcal_search *s)
 {
     if (s->optima.n > 0 && (s->triples > 1 || s->n_seeds > 0)) {

@@ -286,8 +286,10 @@ static void factor_row(rigcal_rig_solver *s, const rc_rig_parts *parts)
 {
     const size_t i = s->row++;
     if (i < s->n) {
+        /* where stamps have noise, rounding may leave a diagonal below 0 */
+        const rigcal_real least = RANK_TOL * rc_max(parts->d[i], 0);
         parts->S[rc_packed_at(i, i)] *= 1 + s->search.lambda;
-        if (!rc_packed_factor_row(parts->S, i, RANK_TOL * parts->d[i])) {
+        if (!rc_packed_factor_row(parts->S, i, least)) {
             rc_rig_end(s, RIGCAL_ERR_DEGENERATE, -1);
             return;
         }

@@ -354,7 +354,7 @@ static void end_pass(rigcal_rig_solver *s, rigcal_status status)
 }
 
 /* Adds the prior of camera s->row. */
-static void add_prior(rigcal_rig_solver *s, const rc_rig_parts *parts)
+RC_APART static void add_prior(rigcal_rig_solver *s, const rc_rig_parts *parts)
 {
     const rigcal_rig *const rig = s->rig;
     const size_t c = s->row++;

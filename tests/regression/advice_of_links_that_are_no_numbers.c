@@ -1,6 +1,5 @@
 /* For links whose information is NaN or negative, rigcal_rig_advise wrote one line more
  * than it said, beyond the capacity. */
-#include <math.h>
 #include <string.h>
 
 #include "test_rigs.h"
@@ -9,7 +8,7 @@ static test_rig r;
 
 static void test_no_more_lines_are_written_than_told(void)
 {
-    static const double INFORMATION[3] = {-2, -1e30, NAN};
+    const rigcal_real information[3] = {-2, RC(-1e30), TEST_NAN};
     test_rng rng = test_seed(1);
     rigcal_link links[RIGCAL_LINKS(3)];
     rigcal_advice advice[4];
@@ -23,7 +22,7 @@ static void test_no_more_lines_are_written_than_told(void)
             memset(links, 0, sizeof links);
             FILL(advice);
             for (int i = 0; i < 3; i++) {
-                links[i].information = RC(INFORMATION[k]);
+                links[i].information = information[k];
                 r.group[i] = (i < groups) ? i : groups - 1;
             }
             ASSERT_STATUS(RIGCAL_OK,

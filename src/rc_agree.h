@@ -25,9 +25,9 @@ typedef struct {
     rigcal_real sum[RC_AGREE_BINS]; /* of their squared distances */
 } rc_agree_histogram;
 
-/* The mark of a point that stays as it is: the lens images no ray at its pixel. A point
+/* The mark of a point. NO_RAY stays as it is: the lens images no ray at that pixel. A point
  * beside the turning point of the lens may be seen near such a pixel. */
-enum { RC_AGREE_NO_RAY = 2 };
+enum { RC_AGREE_NOT, RC_AGREE_YES, RC_AGREE_NO_RAY };
 
 /* Sets marks[i] to 1 for points within the limit, else to 0. *off gets the distances,
  * unless it is NULL. Returns how many marks changed. */

@@ -385,7 +385,7 @@ static void found_pose(rigcal_transform *cam_from_points, const rigcal_robust_so
 static void finish(rigcal_robust_solver *s)
 {
     for (size_t i = 0; i < s->points.view.n; i++) {
-        s->inliers[i] = s->inliers[i] == 1;
+        s->inliers[i] = s->inliers[i] == RC_AGREE_YES;
     }
     s->phase = DONE;
 }

@@ -9,16 +9,16 @@
 enum { N = 20, AT_RIM = 2 };
 
 /* The lens 1 - 0.3 r^2 folds at r = 1.0541, where the image of a ray is 0.70273 from the
- * axis. A ray at r = 1.03 is imaged at 0.70218. The last AT_RIM points have such rays, and
- * pixels at 0.7045: off by 0.0023 of the focal length, and beyond the fold. */
+ * axis. A ray at r = 1.03 is imaged at 0.70218. AT_RIM points, from `rim` on, have such rays,
+ * and pixels at 0.7045: off by 0.0023 of the focal length, and beyond the fold. */
 static void observe(rigcal_observation seen[N], const rigcal_camera *camera,
-                    const double R[9], const double t[3], test_rng *rng)
+                    const double R[9], const double t[3], int rim, test_rng *rng)
 {
     double back[9];
 
     test_transpose(back, R);
     for (int i = 0; i < N; i++) {
-        const int is_at_rim = i >= N - AT_RIM;
+        const int is_at_rim = i >= rim && i < rim + AT_RIM;
         const double phi = test_uniform(rng, 0, 6.28), far = test_uniform(rng, 1, 3);
         const double r = is_at_rim ? 1.03 : test_uniform(rng, 0.2, 0.6);
         const double off = is_at_rim ? 0.7045 : r * (1 - 0.3 * r * r);
@@ -52,7 +52,7 @@ static void test_a_pixel_without_a_ray_is_wrong(void)
         double R[9], found_R[9], found_t[3];
 
         test_random_rotation(R, &rng);
-        observe(seen, &camera, R, T, &rng);
+        observe(seen, &camera, R, T, N - AT_RIM, &rng);
         ASSERT_STATUS(RIGCAL_OK, rigcal_robust_solve(poses, RIGCAL_POSES_MAX, &n_found,
                                                      inliers, &n_inliers, NULL,
                                                      &VIEW(&camera, seen, NULL, N), NULL));
@@ -66,7 +66,45 @@ static void test_a_pixel_without_a_ray_is_wrong(void)
     }
 }
 
+/* Wherever the search of triples ends. */
+static void test_a_pixel_without_a_ray_is_wrong_after_few_triples(void)
+{
+    static const double T[3] = {0.1, -0.2, 0.3};
+    static rigcal_observation seen[N];
+    static uint8_t inliers[N];
+    rigcal_camera camera = test_pinhole();
+    rigcal_robust_options options;
+    test_rng rng = test_seed(14);
+    double R[9];
+    int solved = 0;
+
+    TEST_WANTS_RAM(20000);
+    camera.k1 = RC(-0.3);
+    test_random_rotation(R, &rng);
+    observe(seen, &camera, R, T, 0, &rng);
+    ASSERT_STATUS(RIGCAL_OK, rigcal_robust_defaults(&options));
+    for (int32_t units = 1; units < 60; units++) {
+        rigcal_pose pose;
+        size_t n_found, n_inliers;
+
+        options.max_units = units;
+        const rigcal_status status =
+            rigcal_robust_solve(&pose, 1, &n_found, inliers, &n_inliers, NULL,
+                                &VIEW(&camera, seen, NULL, N), &options);
+        TEST_ASSERT_NOT_EQUAL(RIGCAL_ERR_NO_RAY, status);
+        TEST_ASSERT_NOT_EQUAL(RIGCAL_UNSEEN_POINT, status);
+        if (status == RIGCAL_OK) {
+            solved++;
+            TEST_ASSERT_EQUAL_size_t(N - AT_RIM, n_inliers);
+            TEST_ASSERT_EQUAL_INT(0, inliers[0]);
+            TEST_ASSERT_EQUAL_INT(0, inliers[1]);
+        }
+    }
+    TEST_ASSERT_GREATER_THAN_INT(10, solved);
+}
+
 TEST_MAIN()
 {
     RUN_TEST(test_a_pixel_without_a_ray_is_wrong);
+    RUN_TEST(test_a_pixel_without_a_ray_is_wrong_after_few_triples);
 }

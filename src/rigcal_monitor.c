@@ -299,8 +299,8 @@ static rigcal_real mean_distance(const rigcal_calibrated_rig *rig)
     return sum / count;
 }
 
-/* Copies the covariance of the cameras. UD was set to 0, which is right for targets and held
- * cameras. */
+/* Copies the covariance of the cameras. UD was set to 0, which is right for targets and
+ * held cameras. */
 static void copy_covariance(rc_filter *f, const rigcal_calibrated_rig *rig)
 {
     size_t from_i = 0;

@@ -1,5 +1,6 @@
 /* If the wrong points of a wide target came first, nearly every robust pose was
- * RIGCAL_ERR_NO_POSE: the triples from which the last search starts held one point twice. */
+ * RIGCAL_ERR_NO_POSE: the triples from which the last search starts held one
+ * point twice. */
 #include <math.h>
 #include <string.h>
 

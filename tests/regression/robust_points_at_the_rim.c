@@ -9,8 +9,8 @@
 enum { N = 20, AT_RIM = 2 };
 
 /* The lens 1 - 0.3 r^2 folds at r = 1.0541, where the image of a ray is 0.70273 from the
- * axis. A ray at r = 1.03 is imaged at 0.70218. AT_RIM points, from `rim` on, have such rays,
- * and pixels at 0.7045: off by 0.0023 of the focal length, and beyond the fold. */
+ * axis. A ray at r = 1.03 is imaged at 0.70218. AT_RIM points, from `rim` on, have such
+ * rays, and pixels at 0.7045: off by 0.0023 of the focal length, and beyond the fold. */
 static void observe(rigcal_observation seen[N], const rigcal_camera *camera,
                     const double R[9], const double t[3], int rim, test_rng *rng)
 {

@@ -405,6 +405,36 @@ static void test_unknowns_that_are_known_exactly_learn_nothing(void)
     }
 }
 
+/* Each of twelve unknowns is seen by itself. The first shares a half of its error. */
+static void test_one_unknown_that_is_seen_tells_of_the_one_that_shares_its_error(void)
+{
+    enum { TWO = 12 };
+    for (size_t c = 6; c < TWO; c++) {
+        rigcal_real UD[TWO * (TWO + 1) / 2] = {0}, room[TWO] = {0}, h[6] = {0};
+        const rc_part part = {{6, -1}, {h, NULL}};
+
+        for (size_t i = 0; i < TWO; i++) {
+            UD[i * (i + 3) / 2] = 1;
+        }
+        UD[c * (c + 1) / 2] = RC(0.5);
+        h[c - 6] = 1;
+        ASSERT_NEAR(1, rc_filter_seen(room, UD, TWO, &part), 0);
+        rc_filter_learn(UD, room, TWO, 1, 2, 1);
+        for (size_t i = 0; i < TWO; i++) {
+            const double Ph = i == c ? 1 : i == 0 ? 0.5 : 0;
+
+            ASSERT_NEAR(Ph, room[i], 0);
+            for (size_t j = 0; j <= i; j++) {
+                const double Ph_j = j == c ? 1 : j == 0 ? 0.5 : 0;
+                const double before = (i == j) + 0.25 * (i == 0) + 0.5 * (i == c && j == 0);
+
+                ASSERT_NEAR(before - Ph * Ph_j / 2, rc_filter_element(UD, TWO, i, j),
+                            TOL(1e-15, 1e-6));
+            }
+        }
+    }
+}
+
 /* An innovation that overflows: the row is not taken and leaves no trace. */
 static void test_a_row_that_overflows_leaves_no_trace(void)
 {
@@ -491,6 +521,7 @@ TEST_MAIN()
     RUN_TEST(test_a_spread_of_equal_axes_is_that_of_its_covariance);
     RUN_TEST(test_a_body_comes_with_its_covariance_and_leaves);
     RUN_TEST(test_unknowns_that_are_known_exactly_learn_nothing);
+    RUN_TEST(test_one_unknown_that_is_seen_tells_of_the_one_that_shares_its_error);
     RUN_TEST(test_a_row_that_overflows_leaves_no_trace);
     RUN_TEST(test_rows_of_a_body_that_is_open_count_for_less);
     RUN_TEST(test_a_bend_is_that_of_the_variances_of_a_body);

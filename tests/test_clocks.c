@@ -1081,6 +1081,30 @@ static void test_the_instant_of_a_placement_is_the_mean_time_of_its_views(void)
     }
 }
 
+/* The clocks are known. In a run of one placement it has no neighbours, and its motion is
+ * not known. In a run of two each has one. */
+static void test_a_placement_without_neighbours_stays_at_its_stamp(void)
+{
+    static const double OFFSETS[3] = {0, 0.004, -0.0075};
+
+    WANTS_MOTIONS();
+    for (int frames = 1; frames <= 2; frames++) {
+        motion_scene scene = SCENE;
+        rigcal_rig_fit fit;
+
+        scene.runs = 4;
+        scene.frames = frames;
+        make(&scene, 118);
+        m.clocks.free_offsets = 0;
+        test_to_real(m.offsets, OFFSETS, 3);
+        TEST_ASSERT_TRUE(adjust(&fit) >= 0);
+        for (int f = 0; f < 4 * frames; f++) {
+            ASSERT_NEAR(D(m.times[f]) + (frames == 1 ? 0 : -0.0035 / 3), m.instants[f],
+                        TOL(1e-9, 1e-5));
+        }
+    }
+}
+
 /* A placement that nobody saw has no time. */
 static void test_a_placement_without_views_has_no_instant(void)
 {
@@ -1436,6 +1460,7 @@ TEST_MAIN()
     RUN_TEST(test_what_was_in_the_memory_does_not_matter);
     RUN_TEST(test_a_step_that_does_not_help_is_undone);
     RUN_TEST(test_the_instant_of_a_placement_is_the_mean_time_of_its_views);
+    RUN_TEST(test_a_placement_without_neighbours_stays_at_its_stamp);
     RUN_TEST(test_a_placement_without_views_has_no_instant);
     RUN_TEST(test_a_placement_seen_once_has_the_time_of_that_view);
     RUN_TEST(test_without_the_noise_of_pixels_stamps_have_no_weight);

@@ -4,6 +4,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "rigcal_solvers.h"
 #include "test_support.h"
 
 enum { N = 20, AT_RIM = 2 };
@@ -103,8 +104,56 @@ static void test_a_pixel_without_a_ray_is_wrong_after_few_triples(void)
     TEST_ASSERT_GREATER_THAN_INT(10, solved);
 }
 
+/* The units of a search with max_units. *tried gets its triples. */
+static int units_of(int32_t *tried, const rigcal_view *view, int32_t max_units)
+{
+    static rigcal_robust_solver solver;
+    static uint8_t inliers[N];
+    rigcal_robust_options options;
+    int units = 1;
+
+    ASSERT_STATUS(RIGCAL_OK, rigcal_robust_defaults(&options));
+    options.max_units = max_units;
+    ASSERT_STATUS(RIGCAL_OK, rigcal_robust_begin(&solver, inliers, NULL, view, &options));
+    while (rigcal_robust_step(&solver, 1) == RIGCAL_RUNNING) {
+        units++;
+    }
+    *tried = solver.tried;
+    return units;
+}
+
+/* The rays at last do not count in max_units: where the same triples were tried, the units
+ * are the same. */
+static void test_only_triples_count_in_max_units(void)
+{
+    static const double T[3] = {0.1, -0.2, 0.3};
+    static rigcal_observation seen[N];
+    rigcal_camera camera = test_pinhole();
+    test_rng rng = test_seed(15);
+    double R[9];
+    int32_t all, tried;
+    int same = 0;
+
+    TEST_WANTS_RAM(20000);
+    camera.k1 = RC(-0.3);
+    test_random_rotation(R, &rng);
+    observe(seen, &camera, R, T, 0, &rng);
+    const rigcal_view view = VIEW(&camera, seen, NULL, N);
+    const int units = units_of(&all, &view, 100000);
+    for (int32_t most = 1; most < units; most++) {
+        const int now = units_of(&tried, &view, most);
+
+        if (tried == all) {
+            TEST_ASSERT_EQUAL_INT(units, now);
+            same++;
+        }
+    }
+    TEST_ASSERT_GREATER_THAN_INT(N, same);
+}
+
 TEST_MAIN()
 {
     RUN_TEST(test_a_pixel_without_a_ray_is_wrong);
     RUN_TEST(test_a_pixel_without_a_ray_is_wrong_after_few_triples);
+    RUN_TEST(test_only_triples_count_in_max_units);
 }

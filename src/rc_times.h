@@ -14,10 +14,10 @@ rigcal_status rc_times_check(const rigcal_rig *rig);
 void rc_times_motion(rigcal_motion *motion, const rigcal_rig *rig,
                      const rigcal_transform poses[], size_t placement);
 
-/* The time at which a view was taken, by its camera's clock, after the stamp of its
- * placement. memory->since is set. */
+/* How long after the time `from` a view was taken, by its camera's clock. Sets
+ * clocks->memory.since. */
 rigcal_real rc_times_after(const rigcal_rig *rig, int32_t camera, size_t placement,
-                           size_t view);
+                           size_t view, rigcal_real from);
 
 /* rigcal_clock_calls.place and .weigh. clocks->memory has the motion of placement
  * clocks->memory.placement. For another placement the motion is computed anew. */

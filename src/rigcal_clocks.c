@@ -462,7 +462,7 @@ static rigcal_status check_timed(int32_t *camera, int32_t *placement, rigcal_rig
             memory->views = memory->late = 0;
         }
         memory->views += 1;
-        memory->late += rc_times_after(s->rig, *camera, f, s->view);
+        memory->late += rc_times_after(s->rig, *camera, f, s->view, clocks->times[f]);
         clocks->instants[f] = clocks->times[f] + memory->late / memory->views;
     }
     return status;

@@ -13,8 +13,8 @@ enum { REFINE_EVALS = 100 };
  * merge. */
 #define SAME_EXACT RC_TOL(1e-6, 1e-3)
 
-/* times a sum of squared errors that means nothing: three points fit exactly if theirs is
- * no more than this. */
+/* times the negligible sum of squares: three points fit exactly if their sum is no more
+ * than this. */
 #define EXACT RC_TOL(1e9, 100)
 
 /* px: if no noise is stated, a search believes in no more noise than this. */

@@ -381,7 +381,7 @@ static void found_pose(rigcal_transform *cam_from_points, const rigcal_robust_so
     rc_vec3_add(cam_from_points->t, turned);
 }
 
-/* Leaves 1 for the points that agree, and 0. */
+/* Sets the mark of each point to 1 if it agrees, else to 0. The search is done. */
 static void finish(rigcal_robust_solver *s)
 {
     for (size_t i = 0; i < s->points.view.n; i++) {

@@ -114,9 +114,8 @@ void rc_times_motion(rigcal_motion *motion, const rigcal_rig *rig,
     rc_motion_of(motion, &path, placement);
 }
 
-/* The same after the time `from`. */
-static rigcal_real time_after(const rigcal_rig *rig, int32_t camera, size_t placement,
-                              size_t view, rigcal_real from)
+rigcal_real rc_times_after(const rigcal_rig *rig, int32_t camera, size_t placement,
+                           size_t view, rigcal_real from)
 {
     rigcal_rig_clocks *const clocks = rig->clocks;
     rigcal_clock_memory *const memory = &clocks->memory;
@@ -129,12 +128,6 @@ static rigcal_real time_after(const rigcal_rig *rig, int32_t camera, size_t plac
     const rigcal_real after = stamp - from + clocks->offsets[camera];
     return (clocks->drifts == NULL) ? after
                                     : after + clocks->drifts[camera] * memory->since;
-}
-
-rigcal_real rc_times_after(const rigcal_rig *rig, int32_t camera, size_t placement,
-                           size_t view)
-{
-    return time_after(rig, camera, placement, view, rig->clocks->times[placement]);
 }
 
 void rc_times_place(rigcal_transform *rig_from_placement, const rigcal_rig *rig,
@@ -152,7 +145,7 @@ void rc_times_place(rigcal_transform *rig_from_placement, const rigcal_rig *rig,
     memory->since = memory->after = 0;
     if (motion->n > 0) {
         memory->after =
-            time_after(rig, camera, placement, view, clocks->instants[placement]);
+            rc_times_after(rig, camera, placement, view, clocks->instants[placement]);
     }
     rc_motion_at(d, memory->velocity, motion, memory->after);
     if (memory->after > 0 || memory->after < 0) {

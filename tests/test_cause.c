@@ -184,24 +184,30 @@ static void test_of_a_target_that_stood_still_the_shift_is_open(void)
     TEST_ASSERT_EQUAL_INT32(1, cause.is_still);
 }
 
-/* The lenses differ. Each view is solved with the lens of the other. */
-static void test_swapped_cameras_are_told(void)
+/* Camera 3 gets a lens whose images are 1.25 times as large. */
+static void give_a_longer_lens(void)
 {
     static rigcal_camera lens;
 
-    WANTS_BOARDS;
-    make(3400, 4, 8);
     lens = b.camera;
     lens.fx = lens.fy = 1000;
     for (size_t v = 0; v < b.rig.n_views; v++) {
         if (b.views[v].camera == 3) {
             b.views[v].view.camera = &lens;
-            for (int i = 0; i < BOARD_POINTS; i++) { /* 1.25 times as large */
+            for (int i = 0; i < BOARD_POINTS; i++) {
                 b.o[v][i].uv[0] = b.camera.cx + (b.o[v][i].uv[0] - b.camera.cx) * RC(1.25);
                 b.o[v][i].uv[1] = b.camera.cy + (b.o[v][i].uv[1] - b.camera.cy) * RC(1.25);
             }
         }
     }
+}
+
+/* The lenses differ. Each view is solved with the lens of the other. */
+static void test_swapped_cameras_are_told(void)
+{
+    WANTS_BOARDS;
+    make(3400, 4, 8);
+    give_a_longer_lens();
     const int one = test_boards_view(&b, 3, 2), two = test_boards_view(&b, 0, 2);
     test_boards_swap(&b, one, two);
     judge();
@@ -217,24 +223,10 @@ static void test_swapped_cameras_are_told(void)
  * not matter that its view of the placement before or after is left out. */
 static void test_a_view_is_swapped_only_with_one_of_its_placement(void)
 {
-    static rigcal_camera lens;
-
     WANTS_BOARDS;
     for (int shift = -1; shift < 2; shift += 2) {
         make(3450, 4, 8);
-        lens = b.camera;
-        lens.fx = lens.fy = 1000;
-        for (size_t v = 0; v < b.rig.n_views; v++) {
-            if (b.views[v].camera == 3) {
-                b.views[v].view.camera = &lens;
-                for (int i = 0; i < BOARD_POINTS; i++) { /* 1.25 times as large */
-                    b.o[v][i].uv[0] =
-                        b.camera.cx + (b.o[v][i].uv[0] - b.camera.cx) * RC(1.25);
-                    b.o[v][i].uv[1] =
-                        b.camera.cy + (b.o[v][i].uv[1] - b.camera.cy) * RC(1.25);
-                }
-            }
-        }
+        give_a_longer_lens();
         const int one = test_boards_view(&b, 3, 3), two = test_boards_view(&b, 0, 3);
         const int other = test_boards_view(&b, 0, 3 + shift);
         test_boards_replace(&b, one, two);

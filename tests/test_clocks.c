@@ -22,6 +22,20 @@ static void make(const motion_scene *scene, uint64_t seed)
     test_motions_solve(&m);
 }
 
+/* Leaves the views of which `is_kept` is true. */
+static void keep_views(int (*is_kept)(int camera, int placement))
+{
+    size_t n = 0;
+
+    for (size_t v = 0; v < m.rig.n_views; v++) {
+        if (is_kept(m.views[v].camera, m.views[v].placement)) {
+            m.views[n] = m.views[v];
+            m.own[n++] = m.own[v];
+        }
+    }
+    m.rig.n_views = n;
+}
+
 static rigcal_status adjust(rigcal_rig_fit *fit)
 {
     int32_t at_fault = -2;
@@ -793,6 +807,12 @@ static double step_of(size_t v)
     return sum;
 }
 
+/* Cameras 1 and 2 do not see the run of their number. */
+static int sees_other_runs(int camera, int placement)
+{
+    return camera == 0 || placement / 2 != camera;
+}
+
 /* A clock is free if the step to the next placement is more than ten times its noise, in
  * the mean of the camera's views that have a neighbour. A placement is as exact as its
  * number of views times the first of them. */
@@ -809,20 +829,12 @@ static void test_a_clock_is_free_where_the_target_moves_by_ten_sigma(void)
         for (int is_free = 0; is_free < 2; is_free++) {
             double sum = 0, views = 0, first = 0;
             rigcal_rig_fit fit;
-            size_t n = 0;
 
             make(&scene, 107);
-            for (size_t v = 0; v < m.rig.n_views; v++) { /* not all see all */
-                if (m.views[v].camera == 0 ||
-                    m.views[v].placement / 2 != m.views[v].camera) {
-                    m.views[n] = m.views[v];
-                    m.own[n++] = m.own[v];
-                }
-            }
-            m.rig.n_views = n;
+            keep_views(sees_other_runs);
             m.times[6] = TEST_NAN; /* so the last two have no neighbour */
             memcpy(m.instants, m.times, sizeof m.instants);
-            for (size_t v = 0; v < n; v++) {
+            for (size_t v = 0; v < m.rig.n_views; v++) {
                 const int f = m.views[v].placement;
                 const int is_first = v == 0 || m.views[v - 1].placement != f;
                 const double seen = 3 - (f == 2 || f == 3) - (f == 4 || f == 5);
@@ -842,22 +854,21 @@ static void test_a_clock_is_free_where_the_target_moves_by_ten_sigma(void)
     }
 }
 
+/* Camera 2 sees placement 4 only. */
+static int is_of_two_or_fourth(int camera, int placement)
+{
+    return camera < 2 || placement == 4;
+}
+
 /* A single view that has a neighbour is enough for a clock that is not ALONE. Its camera's
  * pose can take up what the clock could, so the clock stays where it is. */
 static void test_a_camera_with_one_view_is_not_alone(void)
 {
     rigcal_rig_fit fit;
-    size_t n = 0;
 
     WANTS_MOTIONS();
     make(&SCENE, 108);
-    for (size_t v = 0; v < m.rig.n_views; v++) {
-        if (m.views[v].camera < 2 || m.views[v].placement == 4) {
-            m.views[n] = m.views[v];
-            m.own[n++] = m.own[v];
-        }
-    }
-    m.rig.n_views = n;
+    keep_views(is_of_two_or_fourth);
     ASSERT_STATUS(RIGCAL_OK, adjust(&fit));
     TEST_ASSERT_EQUAL_INT32(RIGCAL_CLOCK_FREE, m.states[1]);
     TEST_ASSERT_EQUAL_INT32(RIGCAL_CLOCK_FREE, m.states[2]);
@@ -1120,22 +1131,21 @@ static void test_a_placement_without_views_has_no_instant(void)
     TEST_ASSERT_TRUE(D(m.instants[f - 1]) < TOL(1e30, 1e9));
 }
 
+/* Placement 4 is seen by camera 0 only. */
+static int is_first_in_fourth(int camera, int placement)
+{
+    return placement != 4 || camera == 0;
+}
+
 /* The instant of a placement is the mean time of its views. The first camera's clock is
  * right. */
 static void test_a_placement_seen_once_has_the_time_of_that_view(void)
 {
     rigcal_rig_fit fit;
-    size_t n = 0;
 
     WANTS_MOTIONS();
     make(&SCENE, 95);
-    for (size_t v = 0; v < m.rig.n_views; v++) {
-        if (m.views[v].placement != 4 || m.views[v].camera == 0) {
-            m.views[n] = m.views[v];
-            m.own[n++] = m.own[v];
-        }
-    }
-    m.rig.n_views = n;
+    keep_views(is_first_in_fourth);
     ASSERT_STATUS(RIGCAL_OK, adjust(&fit));
     ASSERT_NEAR(m.times[4], m.instants[4], TOL(1e-12, 1e-5));
     ASSERT_NEAR(m.times[3], m.instants[3], 0.02);

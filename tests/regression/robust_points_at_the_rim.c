@@ -9,14 +9,21 @@
 
 enum { N = 20, AT_RIM = 2 };
 
+static rigcal_camera camera;
+static rigcal_observation seen[N];
+static uint8_t inliers[N];
+
 /* The lens 1 - 0.3 r^2 folds at r = 1.0541, where the image of a ray is 0.70273 from the
  * axis. A ray at r = 1.03 is imaged at 0.70218. AT_RIM points, from `rim` on, have such
  * rays, and pixels at 0.7045: off by 0.0023 of the focal length, and beyond the fold. */
-static void observe(rigcal_observation seen[N], const rigcal_camera *camera,
-                    const double R[9], const double t[3], int rim, test_rng *rng)
+static void observe(double R[9], int rim, test_rng *rng)
 {
+    static const double T[3] = {0.1, -0.2, 0.3};
     double back[9];
 
+    camera = test_pinhole();
+    camera.k1 = RC(-0.3);
+    test_random_rotation(R, rng);
     test_transpose(back, R);
     for (int i = 0; i < N; i++) {
         const int is_at_rim = i >= rim && i < rim + AT_RIM;
@@ -24,12 +31,12 @@ static void observe(rigcal_observation seen[N], const rigcal_camera *camera,
         const double r = is_at_rim ? 1.03 : test_uniform(rng, 0.2, 0.6);
         const double off = is_at_rim ? 0.7045 : r * (1 - 0.3 * r * r);
         const double X_c[3] = {far * r * cos(phi), far * r * sin(phi), far};
-        const double uv[2] = {D(camera->cx) + D(camera->fx) * off * cos(phi),
-                              D(camera->cy) + D(camera->fy) * off * sin(phi)};
+        const double uv[2] = {D(camera.cx) + D(camera.fx) * off * cos(phi),
+                              D(camera.cy) + D(camera.fy) * off * sin(phi)};
         double from[3], X[3];
 
         for (int k = 0; k < 3; k++) {
-            from[k] = X_c[k] - t[k];
+            from[k] = X_c[k] - T[k];
         }
         test_apply(X, back, from, NULL);
         test_to_real(seen[i].X_w, X, 3);
@@ -39,21 +46,15 @@ static void observe(rigcal_observation seen[N], const rigcal_camera *camera,
 
 static void test_a_pixel_without_a_ray_is_wrong(void)
 {
-    static const double T[3] = {0.1, -0.2, 0.3};
-    static rigcal_observation seen[N];
-    static uint8_t inliers[N];
-    rigcal_camera camera = test_pinhole();
     test_rng rng = test_seed(13);
 
     TEST_WANTS_RAM(20000);
-    camera.k1 = RC(-0.3);
     for (int trial = 0; trial < TEST_TRIALS(20); trial++) {
         rigcal_pose poses[RIGCAL_POSES_MAX];
         size_t n_found, n_inliers;
         double R[9], found_R[9], found_t[3];
 
-        test_random_rotation(R, &rng);
-        observe(seen, &camera, R, T, N - AT_RIM, &rng);
+        observe(R, N - AT_RIM, &rng);
         ASSERT_STATUS(RIGCAL_OK, rigcal_robust_solve(poses, RIGCAL_POSES_MAX, &n_found,
                                                      inliers, &n_inliers, NULL,
                                                      &VIEW(&camera, seen, NULL, N), NULL));
@@ -70,19 +71,13 @@ static void test_a_pixel_without_a_ray_is_wrong(void)
 /* Wherever the search of triples ends. */
 static void test_a_pixel_without_a_ray_is_wrong_after_few_triples(void)
 {
-    static const double T[3] = {0.1, -0.2, 0.3};
-    static rigcal_observation seen[N];
-    static uint8_t inliers[N];
-    rigcal_camera camera = test_pinhole();
     rigcal_robust_options options;
     test_rng rng = test_seed(14);
     double R[9];
     int solved = 0;
 
     TEST_WANTS_RAM(20000);
-    camera.k1 = RC(-0.3);
-    test_random_rotation(R, &rng);
-    observe(seen, &camera, R, T, 0, &rng);
+    observe(R, 0, &rng);
     ASSERT_STATUS(RIGCAL_OK, rigcal_robust_defaults(&options));
     for (int32_t units = 1; units < 60; units++) {
         rigcal_pose pose;
@@ -108,7 +103,6 @@ static void test_a_pixel_without_a_ray_is_wrong_after_few_triples(void)
 static int units_of(int32_t *tried, const rigcal_view *view, int32_t max_units)
 {
     static rigcal_robust_solver solver;
-    static uint8_t inliers[N];
     rigcal_robust_options options;
     int units = 1;
 
@@ -126,18 +120,13 @@ static int units_of(int32_t *tried, const rigcal_view *view, int32_t max_units)
  * are the same. */
 static void test_only_triples_count_in_max_units(void)
 {
-    static const double T[3] = {0.1, -0.2, 0.3};
-    static rigcal_observation seen[N];
-    rigcal_camera camera = test_pinhole();
     test_rng rng = test_seed(15);
     double R[9];
     int32_t all, tried;
     int same = 0;
 
     TEST_WANTS_RAM(20000);
-    camera.k1 = RC(-0.3);
-    test_random_rotation(R, &rng);
-    observe(seen, &camera, R, T, 0, &rng);
+    observe(R, 0, &rng);
     const rigcal_view view = VIEW(&camera, seen, NULL, N);
     const int units = units_of(&all, &view, 100000);
     for (int32_t most = 1; most < units; most++) {

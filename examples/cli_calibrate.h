@@ -96,7 +96,9 @@ typedef struct {
 /* What is known beforehand of each camera of cameras.csv. */
 typedef struct {
     const char *path; /* path of --prior, or NULL */
-    uint8_t *role;    /* RIGCAL_CAMERA_ */
+    cli_transforms file;
+    size_t *line;  /* in that file; of cameras with a covariance */
+    uint8_t *role; /* RIGCAL_CAMERA_ */
     rigcal_camera_prior *prior;
     size_t n_held, n_prior; /* numbers of cameras of --hold, and of cameras with a
                                covariance */

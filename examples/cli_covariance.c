@@ -134,18 +134,17 @@ static size_t *find_between(const cli_transforms *file)
 }
 
 /* The address of an element of the joint covariance. */
-static rigcal_real *element(const cli_rig *rig, size_t row, size_t column)
+static rigcal_real *element(rigcal_real *Sigma, size_t row, size_t column)
 {
-    return &rig->rig.Sigma[row > column ? row * (row + 1) / 2 + column
-                                        : column * (column + 1) / 2 + row];
+    return &Sigma[row > column ? row * (row + 1) / 2 + column
+                               : column * (column + 1) / 2 + row];
 }
 
-/* Reads the block of cameras a and b, b > a, from the line of one of them. Their unknowns
- * begin at `first`. Returns 0 if the file has no such block. */
-static int read_between(cli_rig *rig, const size_t *columns, const size_t *first, size_t a,
-                        size_t b)
+/* Reads the block of two cameras from the line of one of them. The unknowns of the camera
+ * of a line begin at first[line]. Returns 0 if the file has no such block. */
+static int read_between(rigcal_real *Sigma, const csv_table *table, const size_t *columns,
+                        const size_t *first, size_t a, size_t b)
 {
-    const csv_table *table = &rig->file.table;
     const int is_of_b = has_cell(table, b, columns[36 * a]);
     const size_t line = is_of_b ? b : a, other = is_of_b ? a : b;
     size_t i, j;
@@ -157,17 +156,42 @@ static int read_between(cli_rig *rig, const size_t *columns, const size_t *first
         for (j = 0; j < 6; j++) {
             const rigcal_real s = csv_real(table, line, columns[36 * other + 6 * i + j]);
             const size_t row = first[line] + i, column = first[other] + j;
-            const double most = sqrt((double)*element(rig, row, row)) *
-                                sqrt((double)*element(rig, column, column));
+            const double most = sqrt((double)*element(Sigma, row, row)) *
+                                sqrt((double)*element(Sigma, column, column));
 
             if (!(fabs((double)s) <= most * (1 + 1e-6))) {
                 csv_fail(table, line, "%s is more than the variances of both allow",
                          table->columns[columns[36 * other + 6 * i + j]]);
             }
-            *element(rig, row, column) = s;
+            *element(Sigma, row, column) = s;
         }
     }
     return 1;
+}
+
+rigcal_real *cli_covariance_joint(const cli_transforms *file, const size_t *lines,
+                                  const rigcal_real *const *own, size_t n)
+{
+    const size_t *columns = find_between(file);
+    size_t *first = cli_alloc(file->names.count, sizeof *first), a, b, i, j;
+    rigcal_real *Sigma = cli_alloc(rigcal_calibrated_size(n) + 1, sizeof *Sigma);
+
+    for (b = 0; b < n; b++) {
+        first[lines[b]] = 6 * b;
+        for (i = 0; i < 6; i++) {
+            for (j = 0; j <= i; j++) {
+                *element(Sigma, 6 * b + i, 6 * b + j) = own[b][6 * i + j];
+            }
+        }
+    }
+    for (b = 0; b < n; b++) {
+        for (a = 0; a < b; a++) {
+            if (!read_between(Sigma, &file->table, columns, first, lines[a], lines[b])) {
+                return NULL;
+            }
+        }
+    }
+    return Sigma;
 }
 
 /* ==== the file ============================================================ */
@@ -189,55 +213,31 @@ static int has_covariances(size_t columns[CLI_COVARIANCE_COLUMNS], const csv_tab
     return 1;
 }
 
-/* Reads the block of each camera by itself. The unknowns of camera c begin at first[c]. */
-static void read_own(cli_rig *rig, size_t *first,
-                     const size_t columns[CLI_COVARIANCE_COLUMNS])
+/* Reads all blocks. Returns 0 if some are missing. */
+static int read_joint(cli_rig *rig)
 {
     const size_t n = rig->file.names.count;
-    size_t c, i, j, n_free = 0;
+    size_t columns[CLI_COVARIANCE_COLUMNS], c, n_known = 0;
+    size_t *lines = cli_alloc(n, sizeof *lines);
+    const rigcal_real **own = cli_alloc(n, sizeof *own);
 
+    if (!has_covariances(columns, &rig->file.table)) {
+        return 0;
+    }
     for (c = 0; c < n; c++) {
         rigcal_mounted_camera *m = &rig->rig.cameras[c];
 
         rig->rig.held[c] = cli_covariance_read(m->Sigma, &rig->file.table, c, columns) ==
                            RIGCAL_CAMERA_HELD;
         m->has_Sigma = 1;
-        first[c] = 6 * n_free;
-        n_free += rig->rig.held[c] == 0;
-    }
-    rig->rig.Sigma_capacity = rigcal_calibrated_size(n_free);
-    rig->rig.Sigma = cli_alloc(rig->rig.Sigma_capacity + 1, sizeof *rig->rig.Sigma);
-    for (c = 0; c < n; c++) {
-        for (i = 0; i < 6 && !rig->rig.held[c]; i++) {
-            for (j = 0; j <= i; j++) {
-                *element(rig, first[c] + i, first[c] + j) =
-                    rig->rig.cameras[c].Sigma[6 * i + j];
-            }
+        if (!rig->rig.held[c]) {
+            own[n_known] = m->Sigma;
+            lines[n_known++] = c;
         }
     }
-}
-
-/* Reads all blocks. Returns 0 if some are missing. */
-static int read_joint(cli_rig *rig)
-{
-    const size_t n = rig->file.names.count;
-    size_t columns[CLI_COVARIANCE_COLUMNS], a, b;
-    size_t *first = cli_alloc(n, sizeof *first), *between;
-
-    if (!has_covariances(columns, &rig->file.table)) {
-        return 0;
-    }
-    read_own(rig, first, columns);
-    between = find_between(&rig->file);
-    for (b = 0; b < n; b++) {
-        for (a = 0; a < b; a++) {
-            if (!rig->rig.held[a] && !rig->rig.held[b] &&
-                !read_between(rig, between, first, a, b)) {
-                return 0;
-            }
-        }
-    }
-    return 1;
+    rig->rig.Sigma_capacity = rigcal_calibrated_size(n_known);
+    rig->rig.Sigma = cli_covariance_joint(&rig->file, lines, own, n_known);
+    return rig->rig.Sigma != NULL;
 }
 
 /* Reads a number of pixels, or any other number within the same limits. */

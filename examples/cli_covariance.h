@@ -19,6 +19,12 @@ uint8_t cli_covariance_read(rigcal_real Sigma[36], const csv_table *table, size_
  * element 1 of camera NAME. The arguments count elements from 0. */
 const char *cli_covariance_between(int row, int column, const char *name);
 
+/* The joint covariance of n cameras: the lower triangle row by row. lines[i]: the line of
+ * camera i in the file; own[i]: its own covariance. NULL if the file lacks the covariance
+ * of two of them. */
+rigcal_real *cli_covariance_joint(const cli_transforms *file, const size_t *lines,
+                                  const rigcal_real *const *own, size_t n);
+
 /* px: the least and the largest noise that is accepted. */
 #define RIGCAL_CLI_SIGMA_LEAST 1e-6
 #define RIGCAL_CLI_SIGMA_MOST 1e6

@@ -31,28 +31,29 @@ static void read_hold(known_cameras *known, const cli_cameras *cameras, const ch
 /* Reads the lines of --prior. Cameras of --hold need no covariance. */
 static void read_prior(known_cameras *known, const cli_cameras *cameras, const char *path)
 {
-    cli_transforms file;
+    cli_transforms *file = &known->file;
     size_t columns[CLI_COVARIANCE_COLUMNS], row, n_held = 0;
     int has_columns;
 
-    cli_transforms_read(&file, path, "camera", cameras);
+    cli_transforms_read(file, path, "camera", cameras);
     known->path = path;
-    has_columns = cli_covariance_find(columns, &file.table);
-    for (row = 0; row < file.table.n_rows; row++) {
-        const size_t camera = cli_names_find(&cameras->names, file.names.name[row]);
+    has_columns = cli_covariance_find(columns, &file->table);
+    for (row = 0; row < file->table.n_rows; row++) {
+        const size_t camera = cli_names_find(&cameras->names, file->names.name[row]);
         rigcal_camera_prior *prior = &known->prior[camera];
 
-        prior->cam_from_rig = file.transform[row];
+        known->line[camera] = row;
+        prior->cam_from_rig = file->transform[row];
         if (known->role[camera] == RIGCAL_CAMERA_HELD) {
             n_held++;
         } else if (!has_columns) {
-            csv_fail(&file.table, row,
+            csv_fail(&file->table, row,
                      "camera %s has no covariance, columns S11 to S66: add them, hold "
                      "the camera with --hold %s, or remove the line",
-                     file.names.name[row], file.names.name[row]);
+                     file->names.name[row], file->names.name[row]);
         } else {
             known->role[camera] =
-                cli_covariance_read(prior->Sigma, &file.table, row, columns);
+                cli_covariance_read(prior->Sigma, &file->table, row, columns);
             known->n_prior += known->role[camera] == RIGCAL_CAMERA_PRIOR;
         }
     }
@@ -69,6 +70,7 @@ void read_known(known_cameras *known, const cli_cameras *cameras, const char *pr
     size_t i;
 
     known->role = cli_alloc(cameras->names.count, sizeof *known->role);
+    known->line = cli_alloc(cameras->names.count, sizeof *known->line);
     known->prior = cli_alloc(cameras->names.count, sizeof *known->prior);
     for (i = 0; i < cameras->names.count; i++) {
         known->prior[i].cam_from_rig = IDENTITY;

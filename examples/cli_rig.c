@@ -1,5 +1,6 @@
 /* The rig that the views form. */
 #include "cli_calibrate.h"
+#include "cli_covariance.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -125,6 +126,31 @@ static void gather_views(calibration *c)
     c->rig.n_views = n;
 }
 
+/* The information of all priors together. NULL if the file has no covariances between
+ * cameras, or there is only one prior. */
+static const rigcal_real *information_of_priors(const calibration *c)
+{
+    const size_t n_cameras = c->rig.n_cameras;
+    size_t *lines = cli_alloc(n_cameras, sizeof *lines), i, n = 0;
+    const rigcal_real **own = cli_alloc(n_cameras, sizeof *own);
+    rigcal_real *information;
+
+    for (i = 0; i < n_cameras; i++) {
+        if (c->known.role[c->camera[i]] == RIGCAL_CAMERA_PRIOR) {
+            own[n] = c->known.prior[c->camera[i]].Sigma;
+            lines[n++] = c->known.line[c->camera[i]];
+        }
+    }
+    information = n > 1 ? cli_covariance_joint(&c->known.file, lines, own, n) : NULL;
+    if (information != NULL && rigcal_priors_information(information, information, n) < 0) {
+        cli_fail(
+            "%s: the covariances of its cameras, S11 to S66 and those between cameras, "
+            "are no covariance together",
+            c->known.path);
+    }
+    return information;
+}
+
 /* Gives each camera its role from what is known beforehand. The first fixed camera is the
  * main one. */
 static void give_roles(calibration *c)
@@ -146,6 +172,7 @@ static void give_roles(calibration *c)
     }
     c->rig.roles = is_any ? roles : NULL;
     c->rig.priors = priors;
+    c->rig.priors_information = information_of_priors(c);
     c->rig.sigma_px = c->pose.sigma_px;
 }
 

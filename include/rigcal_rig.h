@@ -96,8 +96,11 @@ typedef struct rigcal_rig {
                                 only its camera and placement are read */
 
     const uint8_t *roles; /* n_cameras; NULL: the first of each group is held */
-    const rigcal_camera_prior *priors; /* n_cameras; those of cameras in the role
+    const rigcal_camera_prior *priors;     /* n_cameras; those of cameras in the role
                                           RIGCAL_CAMERA_PRIOR count */
+    const rigcal_real *priors_information; /* of rigcal_priors_information: then the Sigma
+                                              of each prior does not count. NULL: priors
+                                              are independent of each other */
     rigcal_real sigma_px; /* noise of one coordinate of a pixel; 0: unknown. It must be
                              known if there is a prior */
 
@@ -118,6 +121,20 @@ typedef struct rigcal_rig {
     (3 * (size_t)(n_free) * (6 * (size_t)(n_free) + 1) + 12 * (size_t)(n_free) + \
      51 * (size_t)(n_cameras) + 13 * (size_t)(n_placements))
 RIGCAL_API size_t rigcal_rig_work(size_t n_free, size_t n_cameras, size_t n_placements);
+
+/* The information of all cameras with a prior together: the inverse of their joint
+ * covariance. Cameras that one calibration found need it, because their errors are not
+ * independent: all contain those of the camera whose frame is the rig's. If such priors
+ * count as independent, Sigma of a camera after the adjustment may be 30 % too small.
+ * information, Sigma: of (w, dt) of the cameras in the role RIGCAL_CAMERA_PRIOR, in the
+ * order of the rig: the lower triangle row by row, RIGCAL_CALIBRATED_SIZE(n_priors) reals.
+ * information may be Sigma. OK, ERR_NULL, ERR_TOO_FEW (no prior), ERR_RANGE (more than
+ * RIGCAL_STORE_FREE_MAX), ERR_NOT_FINITE, ERR_DEGENERATE (Sigma is not positive definite to
+ * rounding, or its inverse is too large for a number; then information contains no result).
+ * O(n_priors^3) */
+RIGCAL_API rigcal_status rigcal_priors_information(rigcal_real information[],
+                                                   const rigcal_real Sigma[],
+                                                   size_t n_priors);
 
 /* ==== the join =============================================================== */
 

@@ -82,7 +82,8 @@
         M(rigcal_rig, view_source) M(rigcal_rig, view_poses)                       \
         M(rigcal_rig, view_pose_source) M(rigcal_rig, context)                     \
         M(rigcal_rig, left_out)                                                    \
-        M(rigcal_rig, roles) M(rigcal_rig, priors) M(rigcal_rig, sigma_px)         \
+        M(rigcal_rig, roles) M(rigcal_rig, priors)                                 \
+        M(rigcal_rig, priors_information) M(rigcal_rig, sigma_px)                  \
         M(rigcal_rig, work) M(rigcal_rig, work_capacity) M(rigcal_rig, clocks)     \
         M(rigcal_rig, intrinsics_sigmas) M(rigcal_rig, considered)                 \
     S(rigcal_rig_fit)                                                              \

@@ -96,10 +96,11 @@ int rc_rig_has_prior(const rigcal_rig *rig, size_t camera);
 /* Checks the role of a camera, and its prior if it has one. */
 rigcal_status rc_rig_check_camera(const rigcal_rig *rig, size_t camera);
 
-/* The equations of a camera's prior (G7), in pixels: what it adds to the sum, g and H. OK,
- * or ERR_DEGENERATE: its covariance is not one. */
+/* The equations of a camera's prior (G7), in pixels: what it adds to the sum, g and H, and,
+ * if parts is not NULL, to S left of the camera's own block. O(n_cameras). OK, or
+ * ERR_DEGENERATE: its covariance is not one. */
 rigcal_status rc_rig_prior(rigcal_real *sum, rigcal_real g[6], rigcal_real H[21],
-                           const rigcal_rig *rig, size_t camera);
+                           const rc_rig_parts *parts, const rigcal_rig *rig, size_t camera);
 
 /* Whether the memory to work in holds what an adjustment leaves there: unknowns in the
  * order of their cameras, and variances above 0. *parts says where its parts begin. */

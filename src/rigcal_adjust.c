@@ -360,7 +360,7 @@ RC_APART static void add_prior(rigcal_rig_solver *s, const rc_rig_parts *parts)
     const size_t c = s->row++;
     if (rc_rig_has_prior(rig, c)) {
         rigcal_real sum, g[6], H[21];
-        if (rc_rig_prior(&sum, g, H, rig, c) != RIGCAL_OK) {
+        if (rc_rig_prior(&sum, g, H, parts, rig, c) != RIGCAL_OK) {
             rc_rig_end(s, RIGCAL_ERR_DEGENERATE, -1);
             return;
         }

@@ -108,7 +108,7 @@ static rigcal_status add_priors(rigcal_faults_solver *s)
     for (size_t c = 0; c < s->rig->n_cameras; c++) {
         if (rc_rig_has_prior(s->rig, c)) {
             rigcal_real sum, g[6], H[21];
-            const rigcal_status status = rc_rig_prior(&sum, g, H, s->rig, c);
+            const rigcal_status status = rc_rig_prior(&sum, g, H, NULL, s->rig, c);
             if (status != RIGCAL_OK) {
                 return status;
             }

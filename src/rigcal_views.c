@@ -1,5 +1,13 @@
 #include "rc_views.h"
 
+/* ---- constants ----------------------------------------------------------- */
+
+/* 1: the part of a variance that the others leave unexplained, of a joint covariance whose
+ * inverse is computed. It is rounding. */
+#define RANK_TOL (8 * RC_EPS)
+
+/* ---- sizes --------------------------------------------------------------- */
+
 size_t rigcal_rig_work(size_t n_free, size_t n_cameras, size_t n_placements)
 {
     return RIGCAL_RIG_WORK(n_free, n_cameras, n_placements);
@@ -111,21 +119,130 @@ int rc_rig_has_prior(const rigcal_rig *rig, size_t camera)
     return rig->roles != NULL && rig->roles[camera] == RIGCAL_CAMERA_PRIOR;
 }
 
-rigcal_status rc_rig_prior(rigcal_real *sum, rigcal_real g[6], rigcal_real H[21],
-                           const rigcal_rig *rig, size_t camera)
+rigcal_status rigcal_priors_information(rigcal_real information[],
+                                        const rigcal_real Sigma[], size_t n_priors)
 {
-    const rigcal_camera_prior *const prior = &rig->priors[camera];
-    rigcal_real full[36], d[6];
-    rc_sym6_pack(H, prior->Sigma);
+    if (information == NULL || Sigma == NULL) {
+        return RIGCAL_ERR_NULL;
+    }
+    if (n_priors < 1) {
+        return RIGCAL_ERR_TOO_FEW;
+    }
+    if (n_priors > RIGCAL_STORE_FREE_MAX) {
+        return RIGCAL_ERR_RANGE;
+    }
+    const size_t size = rigcal_calibrated_size(n_priors), n = 6 * n_priors;
+    if (!rc_all_finite(Sigma, (int)size)) {
+        return RIGCAL_ERR_NOT_FINITE;
+    }
+    for (size_t k = 0; k < size; k++) {
+        information[k] = Sigma[k];
+    }
+    for (size_t i = 0; i < n; i++) {
+        const rigcal_real variance = information[rc_packed_at(i, i)];
+        if (!(variance > 0) || !rc_packed_factor_row(information, i, RANK_TOL * variance)) {
+            return RIGCAL_ERR_DEGENERATE;
+        }
+    }
+    for (size_t i = 0; i < n; i++) {
+        rc_packed_invert_row(information, i);
+    }
+    for (size_t i = 0; i < n; i++) {
+        rc_packed_square_row(information, i, n);
+    }
+    return rc_all_finite(information, (int)size) ? RIGCAL_OK : RIGCAL_ERR_DEGENERATE;
+}
+
+/* Number of cameras with a prior before this one. */
+static size_t priors_before(const rigcal_rig *rig, size_t camera)
+{
+    size_t n = 0;
+    for (size_t c = 0; c < camera; c++) {
+        n += (size_t)rc_rig_has_prior(rig, c);
+    }
+    return n;
+}
+
+/* sigma_px^2 times a block of the joint information, whose rows and columns begin there. */
+static void information_block(rigcal_real B[36], const rigcal_rig *rig, size_t row,
+                              size_t column)
+{
+    const rigcal_real variance = rig->sigma_px * rig->sigma_px;
+    for (size_t i = 0; i < 6; i++) {
+        for (size_t j = 0; j < 6; j++) {
+            const size_t r = row + i, c = column + j;
+            B[6 * i + j] =
+                variance *
+                rig->priors_information[(r > c) ? rc_packed_at(r, c) : rc_packed_at(c, r)];
+        }
+    }
+}
+
+/* Adds a block to S. */
+static void add_block(const rc_rig_parts *parts, size_t camera, size_t other,
+                      const rigcal_real B[36])
+{
+    for (size_t i = 0; i < 6; i++) {
+        rigcal_real *const row = &parts->S[rc_packed_at((size_t)parts->column[camera] + i,
+                                                        (size_t)parts->column[other])];
+        for (size_t j = 0; j < 6; j++) {
+            row[j] += B[6 * i + j];
+        }
+    }
+}
+
+/* The same equations from the information of all priors together. */
+static void joint_prior(rigcal_real g[6], rigcal_real H[21], const rc_rig_parts *parts,
+                        const rigcal_rig *rig, size_t camera)
+{
+    const size_t row = 6 * priors_before(rig, camera);
+    size_t column = 0;
+    rc_clear(g, 6);
+    for (size_t c = 0; c < rig->n_cameras; c++) {
+        if (rc_rig_has_prior(rig, c)) {
+            rigcal_real B[36], d[6];
+            information_block(B, rig, row, column);
+            rc_deviation(d, &rig->priors[c].cam_from_rig, &rig->cams_from_rig[c]);
+            for (int i = 0; i < 6; i++) {
+                g[i] += rc_vec6_dot(&B[6 * i], d);
+            }
+            if (c == camera) {
+                rc_sym6_pack(H, B);
+            } else if (c < camera && parts != NULL) {
+                add_block(parts, camera, c, B);
+            }
+            column += 6;
+        }
+    }
+}
+
+/* The same from the camera's own covariance. Returns 0 if it is not one. */
+static int own_prior(rigcal_real g[6], rigcal_real H[21], const rigcal_rig *rig,
+                     size_t camera, const rigcal_real d[6])
+{
+    rigcal_real full[36];
+    rc_sym6_pack(H, rig->priors[camera].Sigma);
     if (!rc_sym6_invert(full, H)) {
-        return RIGCAL_ERR_DEGENERATE;
+        return 0;
     }
     for (int k = 0; k < 36; k++) {
         full[k] *= rig->sigma_px * rig->sigma_px;
     }
     rc_sym6_pack(H, full);
-    rc_deviation(d, &prior->cam_from_rig, &rig->cams_from_rig[camera]);
     rc_sym6_mul(g, H, d);
+    return 1;
+}
+
+rigcal_status rc_rig_prior(rigcal_real *sum, rigcal_real g[6], rigcal_real H[21],
+                           const rc_rig_parts *parts, const rigcal_rig *rig, size_t camera)
+{
+    rigcal_real d[6];
+    rc_deviation(d, &rig->priors[camera].cam_from_rig, &rig->cams_from_rig[camera]);
+    if (rig->priors_information != NULL) {
+        joint_prior(g, H, parts, rig, camera);
+    } else if (!own_prior(g, H, rig, camera, d)) {
+        return RIGCAL_ERR_DEGENERATE;
+    }
     *sum = rc_vec6_dot(g, d);
     return RIGCAL_OK;
 }
@@ -239,6 +356,14 @@ rigcal_status rc_rig_points(rigcal_points *points, const rigcal_rig_view *view)
                                                                                : status;
 }
 
+/* Checks the rows of a camera in the joint information. */
+static rigcal_status check_information(const rigcal_rig *rig, size_t camera)
+{
+    const size_t row = 6 * priors_before(rig, camera);
+    const size_t begin = rc_packed_at(row, 0), end = rc_packed_at(row + 6, 0);
+    return rc_check_numbers(&rig->priors_information[begin], (int)(end - begin), RC_MAX);
+}
+
 rigcal_status rc_rig_check_camera(const rigcal_rig *rig, size_t c)
 {
     if (rig->roles == NULL || rig->roles[c] < RIGCAL_CAMERA_PRIOR) {
@@ -254,8 +379,12 @@ rigcal_status rc_rig_check_camera(const rigcal_rig *rig, size_t c)
     if (status != RIGCAL_OK) {
         return status;
     }
-    return (rig->sigma_px > 0) ? rc_check_numbers(rig->priors[c].Sigma, 36, RC_MAX)
-                               : RIGCAL_ERR_RANGE;
+    if (!(rig->sigma_px > 0)) {
+        return RIGCAL_ERR_RANGE;
+    }
+    return (rig->priors_information != NULL)
+               ? check_information(rig, c)
+               : rc_check_numbers(rig->priors[c].Sigma, 36, RC_MAX);
 }
 
 /* Numbers the unknowns of the cameras. If no camera of a group is held or has a prior, its

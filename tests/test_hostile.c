@@ -1738,6 +1738,7 @@ CALL(rig_robust_begin, p[10], RIG_WITH(0, noise), INT(p[9]))
 CALL(rig_robust_result, p[0], p[1], p[2], p[3])
 CALL(rig_noise, p[8], p[9], RIG_AT(0))
 CALL(rig_links, p[9], COUNTED(p[10]), p[11], p[12], RIG_WITH(0, poses))
+CALL(priors_information, p[0], p[1], COUNTED(p[2]))
 CALL(rig_advise, p[8], COUNTED(p[9]), p[10], p[11], RIG_AT(0))
 CALL(rig_weakest, p[8], RIG_AT(0), REAL(p[9]))
 CALL(rig_choose, choice_of(p[9], p[10], p[11]), p[12], RIG_WITH(0, poses))
@@ -2068,6 +2069,9 @@ static const function FUNCTIONS[] = {
     {F(rig_links), 0, JOINED,
      {RIG_OF(WORK(TRANSFORM, N_CAMERAS), WORK(TRANSFORM, N_PLACEMENTS), WORK(INT32, N_CAMERAS), WORK(NUMBER, RIG_WORK)),
       IN(VIEW_POSE, N_VIEWS, ok.view_poses), OUT(LINK, 3), ROOM(&SIZE_3, 3, RIGCAL_ERR_CAPACITY), OUT(INT32, 1), OUT_BAD}},
+    {F(priors_information), 0, ARGS | S(TOO_FEW) | S(DEGENERATE),
+     {WORK(NUMBER, 21), IN(KEPT_SIGMA, 1, ok.kept_Sigma),
+      {R_COUNT, &SIZE, 1, &SIZE_1, 1, RIGCAL_STORE_FREE_MAX, RIGCAL_ERR_TOO_FEW}}},
     {F(rig_advise), 0, ARGS | S(CAPACITY) | S(TOO_FEW),
      {RIG_WITH_MEMORY(RIG_UNREAD), OUT_PART(ADVICE, 3), ROOM(&SIZE_3, 0, 0), OUT(SIZE, 1), IN(LINK, 3, ok.links)}},
     {F(rig_weakest), 0, S(STATE) | S(TOO_FEW) | ARGS,

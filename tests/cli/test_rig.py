@@ -1,4 +1,5 @@
 """calibrate's rig: its poses, covariances, sqrt(F), --hold and --prior."""
+import csv
 import os
 import pty
 import re
@@ -367,35 +368,42 @@ class TestHold(RigTest):
 class TestPrior(RigTest):
     SIGMA = 0.1
 
-    def with_prior(self, shift):
-        """A prior of cameras b and c that differs from the free answer by `shift` sigma."""
+    def with_prior(self, shift, is_joint):
+        """A prior of cameras b and c that differs from the free answer by `shift` sigma.
+        is_joint: the file has the covariance between them."""
         self.made()
         self.calibrate_well(self.folder, "--sigma", str(self.SIGMA))
         free = Adjusted(self.folder, self.out, ["a"])
+        C = free.cameras_covariance()
+        s = np.sqrt(np.concatenate([np.diag(C(n, n)) for n in "bc"])) * self.SIGMA
         rng = np.random.default_rng(3)
+        A = rng.normal(size=(12, 16)) * s[:, None] / 3
+        x, S = shift * s * rng.choice([-1, 1], 12), A @ A.T
         text = content(self.out, "rig.csv").splitlines()
-        priors, lines = {}, [",".join(line.split(",")[:36]) for line in text[:2]]
-        for line, name in zip(text[2:], "bc"):
-            s = np.sqrt(np.diag(free.cameras_covariance()(name, name))) * self.SIGMA
-            A = rng.normal(size=(6, 8)) * s[:, None] / 3
-            S = A @ A.T
-            x = shift * s * rng.choice([-1, 1], 6)
-            R, t = moved(free.rig[name], x)
-            priors[name] = x, S
-            lines.append(",".join([name, *(repr(v) for v in [*R.ravel().tolist(),
-                                                             *t.tolist()]), "0", "0",
-                                   *(repr(v) for v in S[np.tril_indices(6)].tolist())]))
+        lines = [",".join(line.split(",")[:36]) for line in text[:2]]
+        if is_joint:
+            lines[0] += "".join(f",S{i}{j}@b" for i in range(1, 7) for j in range(1, 7))
+        for name, at in (("b", slice(0, 6)), ("c", slice(6, 12))):
+            R, t = moved(free.rig[name], x[at])
+            numbers = [*R.ravel().tolist(), *t.tolist(), 0, 0,
+                       *S[at, at][np.tril_indices(6)].tolist()]
+            if is_joint and name == "c":
+                numbers += S[6:, :6].ravel().tolist()
+            lines.append(",".join([name, *map(repr, numbers)]))
+        width = lines[0].count(",")
+        lines = [line + "," * (width - line.count(",")) for line in lines]
         path = write(self.folder, "prior.csv", "\n".join(lines) + "\n")
         self.calibrate_well(self.folder, "--sigma", str(self.SIGMA), "--prior", path)
-        return free, priors
+        if not is_joint:
+            S[6:, :6] = S[:6, 6:] = 0
+        return free, x, S
 
-    def test_prior_and_observations_are_weighed_by_their_covariances(self):
-        free, priors = self.with_prior(0.3)
+    def check_prior(self, is_joint):
+        free, x, S_prior = self.with_prior(0.3, is_joint)
         H, g = free.H / self.SIGMA**2, np.zeros(free.n)
-        for name, (x, S) in priors.items():
-            at = free.at["camera", name]
-            H[at:at + 6, at:at + 6] += np.linalg.inv(S)
-            g[at:at + 6] += np.linalg.solve(S, x)
+        at = np.concatenate([free.at["camera", n] + np.arange(6) for n in "bc"])
+        H[np.ix_(at, at)] += np.linalg.inv(S_prior)
+        g[at] += np.linalg.solve(S_prior, x)
         d = 1 / np.sqrt(np.diag(H))
         C = d[:, None] * np.linalg.inv(d[:, None] * H * d) * d
         step = C @ g
@@ -413,6 +421,36 @@ class TestPrior(RigTest):
         self.assertGreater(min(factors), 1 - 1e-3)  # F, or 1
         self.assertAlmostEqual(factors[0], factors[1], delta=0.01)
         np.testing.assert_array_equal(covariance(rig["a"]), np.zeros((6, 6)))
+
+    def test_prior_and_observations_are_weighed_by_their_covariances(self):
+        self.check_prior(is_joint=False)
+
+    def test_the_covariance_between_the_priors_of_two_cameras_counts(self):
+        self.check_prior(is_joint=True)
+
+    def test_a_joint_covariance_that_is_not_one_is_refused(self):
+        """Each block could be one, and no correlation exceeds 1. But b and c have one axis
+        in common, which is correlated with two others in a way that nothing can be."""
+        self.with_prior(0, is_joint=True)
+        path = os.path.join(self.folder, "prior.csv")
+        rows = list(csv.reader(content(self.folder, "prior.csv").splitlines()))
+        at = {name: rows[0].index(name) for name in rows[0]}
+        b, c = rows[2], rows[3]
+        for row in (b, c):  # correlations: 0.9 of axes 1 and 2
+            s = [float(row[at[f"S{i}{i}"]]) ** 0.5 for i in range(1, 7)]
+            for i in range(1, 7):
+                for j in range(1, i):
+                    row[at[f"S{i}{j}"]] = repr(0.9 * s[0] * s[1] if i == 2 else 0.0)
+        s_b, s_c = (float(row[at["S11"]]) ** 0.5 for row in (b, c))
+        for i in range(1, 7):
+            for j in range(1, 7):
+                c[at[f"S{i}{j}@b"]] = "0"
+        c[at["S11@b"]] = repr(0.9 * s_b * s_c)
+        c[at["S22@b"]] = repr(-0.9 * (float(b[at["S22"]]) * float(c[at["S22"]])) ** 0.5)
+        write(self.folder, "prior.csv", "\n".join(",".join(row) for row in rows) + "\n")
+        run = self.calibrate_set(self.folder, "--sigma", str(self.SIGMA), "--prior", path)
+        self.assertEqual(run.returncode, 2)
+        self.assertIn("are no covariance together", run.stderr)
 
     def test_rig_csv_is_read_as_it_is_written(self):
         self.made(seed=4)

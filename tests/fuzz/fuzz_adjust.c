@@ -244,6 +244,31 @@ static void adjust(fuzz_rig *made, int options, fuzz_bytes *bytes, fuzz_budget b
     }
 }
 
+/* Sometimes gives the priors a joint covariance, most of which is 0. */
+static void join_priors(rigcal_rig *rig, fuzz_bytes *bytes)
+{
+    static rigcal_real information[RIGCAL_CALIBRATED_SIZE(RIG_CAMERAS)];
+    size_t n = 0, i;
+
+    for (i = 0; i < rig->n_cameras; i++) {
+        n += rig->roles[i] == RIGCAL_CAMERA_PRIOR;
+    }
+    if (n == 0 || fuzz_below(bytes, 2) == 0) {
+        return;
+    }
+    memset(information, 0, sizeof information);
+    for (i = 0; i < 6 * n; i++) {
+        information[i * (i + 3) / 2] = fuzz_real(bytes);
+        information[i * (i + 1) / 2] = (i > 0) ? fuzz_real(bytes) : information[0];
+    }
+    if (fuzz_below(bytes, 4) == 0) { /* hardly ever an information matrix */
+        rig->priors_information = information;
+    } else if (rigcal_priors_information(information, information, n) == RIGCAL_OK) {
+        PROMISE(fuzz_all_finite(information, rigcal_calibrated_size(n)));
+        rig->priors_information = information;
+    }
+}
+
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
     static fuzz_rig made;
@@ -279,6 +304,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         }
         rig->roles = roles;
         rig->priors = priors;
+        join_priors(rig, &bytes);
     }
     if (options & CLOCKS) {
         add_clocks(&clocks, rig, &bytes);

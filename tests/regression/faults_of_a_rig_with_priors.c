@@ -1,6 +1,7 @@
 /* The test for faults left out the priors of cameras: their part of the sum of squares and
  * of its derivative. Where a prior and the views pulled in different directions, all faults
- * of cameras had wrong sizes, and F was not that of the adjustment. */
+ * of cameras had wrong sizes, and F was not that of the adjustment. So it is with priors
+ * that are independent, and with those that are not. */
 #include <math.h>
 #include <string.h>
 
@@ -10,6 +11,7 @@
 enum { CAMERAS = 3, PLACEMENTS = 6, FAULTS = 48 };
 
 static test_rig r;
+static rigcal_real information[RIGCAL_CALIBRATED_SIZE(CAMERAS - 1)];
 static rigcal_real room[RIGCAL_FAULTS_WORK(CAMERAS, CAMERAS)];
 static rigcal_fault faults[FAULTS];
 
@@ -35,6 +37,20 @@ static void make(test_rng *rng)
     }
 }
 
+/* The priors of cameras 1 and 2 are correlated by 0.8 in each axis. */
+static void correlate(void)
+{
+    memset(information, 0, sizeof information);
+    for (size_t i = 0; i < 12; i++) {
+        information[i * (i + 1) / 2 + i] = RC(1e-6);
+    }
+    for (size_t i = 6; i < 12; i++) {
+        information[i * (i + 1) / 2 + i - 6] = RC(0.8e-6);
+    }
+    ASSERT_STATUS(RIGCAL_OK, rigcal_priors_information(information, information, 2));
+    r.rig.priors_information = information;
+}
+
 /* The least sum if fx and fy of camera 1 are larger by this part. */
 static double sum_with(double focal)
 {
@@ -48,7 +64,7 @@ static double sum_with(double focal)
     return D(fit.sum);
 }
 
-static void test_a_fault_is_what_an_adjustment_with_it_finds(void)
+static void finds_what_an_adjustment_finds(int is_joint)
 {
     const double step = 2e-3;
     rigcal_faults_options options = {0};
@@ -58,6 +74,9 @@ static void test_a_fault_is_what_an_adjustment_with_it_finds(void)
 
     TEST_WANTS_RAM(sizeof r + sizeof room + sizeof faults + 12000);
     make(&rng);
+    if (is_joint) {
+        correlate();
+    }
     /* the least of the parabola through three sums */
     const double less = sum_with(-step), more = sum_with(step), none = sum_with(0);
     const double bend = (less + more - 2 * none) / (step * step);
@@ -80,6 +99,12 @@ static void test_a_fault_is_what_an_adjustment_with_it_finds(void)
         }
     }
     TEST_ASSERT_TRUE(is_found);
+}
+
+static void test_a_fault_is_what_an_adjustment_with_it_finds(void)
+{
+    finds_what_an_adjustment_finds(0);
+    finds_what_an_adjustment_finds(1);
 }
 
 static void test_a_prior_that_is_no_covariance_is_refused(void)

@@ -100,7 +100,7 @@ c_struct!(rigcal_rig {
     views: *const rigcal_rig_view, view_source: *const u8,
     view_poses: *const rigcal_view_pose, view_pose_source: *const u8,
     context: *mut u8, left_out: *const u8, roles: *const u8, priors: *const u8,
-    sigma_px: Real,
+    priors_information: *const Real, sigma_px: Real,
     work: *mut Real, work_capacity: usize,
     clocks: *mut u8, intrinsics_sigmas: *const u8, considered: *const u8
 });

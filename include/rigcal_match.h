@@ -160,7 +160,9 @@ RIGCAL_API rigcal_status rigcal_band_search_rays(rigcal_match matches[], size_t 
  * The pixels of image b in which to search. A span has every pixel whose centre is in the
  * band by the test above, and at most one more at each end. Where the band crosses a row
  * several times, the row has several spans. Pixels near the image of the centre of a,
- * which the test refuses, count as inside.
+ * which the test refuses, count as inside. A match lies between the centres of pixels: the
+ * pixel nearest to it may be beside the band. Whoever searches at whole pixels for one of
+ * them searches the neighbours of the spans too.
  *
  * All this holds while the half width of the band is below a fiftieth of fx and of fy, 1.1
  * degrees; p1 and p2 are within 0.05; nowhere in the image the lens shrinks an area to a

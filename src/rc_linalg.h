@@ -199,4 +199,8 @@ void rc_packed_backward(rigcal_real x[], const rigcal_real L[], size_t n);
 void rc_packed_invert_row(rigcal_real L[], size_t i);
 void rc_packed_square_row(rigcal_real L_inverse[], size_t i, size_t n);
 
+/* A <- A^-1, O(n^3). Returns 0 if A is not positive definite to rounding; A is then
+ * overwritten. */
+int rc_packed_invert(rigcal_real A[], size_t n);
+
 #endif /* RC_LINALG_H */

@@ -1,13 +1,5 @@
 #include "rc_views.h"
 
-/* ---- constants ----------------------------------------------------------- */
-
-/* 1: the part of a variance that the others leave unexplained, of a joint covariance whose
- * inverse is computed. It is rounding. */
-#define RANK_TOL (8 * RC_EPS)
-
-/* ---- sizes --------------------------------------------------------------- */
-
 size_t rigcal_rig_work(size_t n_free, size_t n_cameras, size_t n_placements)
 {
     return RIGCAL_RIG_WORK(n_free, n_cameras, n_placements);
@@ -131,24 +123,15 @@ rigcal_status rigcal_priors_information(rigcal_real information[],
     if (n_priors > RIGCAL_STORE_FREE_MAX) {
         return RIGCAL_ERR_RANGE;
     }
-    const size_t size = rigcal_calibrated_size(n_priors), n = 6 * n_priors;
+    const size_t size = rigcal_calibrated_size(n_priors);
     if (!rc_all_finite(Sigma, (int)size)) {
         return RIGCAL_ERR_NOT_FINITE;
     }
     for (size_t k = 0; k < size; k++) {
         information[k] = Sigma[k];
     }
-    for (size_t i = 0; i < n; i++) {
-        const rigcal_real variance = information[rc_packed_at(i, i)];
-        if (!(variance > 0) || !rc_packed_factor_row(information, i, RANK_TOL * variance)) {
-            return RIGCAL_ERR_DEGENERATE;
-        }
-    }
-    for (size_t i = 0; i < n; i++) {
-        rc_packed_invert_row(information, i);
-    }
-    for (size_t i = 0; i < n; i++) {
-        rc_packed_square_row(information, i, n);
+    if (!rc_packed_invert(information, 6 * n_priors)) {
+        return RIGCAL_ERR_DEGENERATE;
     }
     return rc_all_finite(information, (int)size) ? RIGCAL_OK : RIGCAL_ERR_DEGENERATE;
 }

@@ -1,8 +1,8 @@
 /* Priors of cameras counted as independent, although one calibration had found them: their
- * errors contain those of the camera whose frame the rig's is. After the next adjustment
- * Sigma of a camera was up to 30 % too small, and its pose was not the best. Two adjustments
- * in a row, the second with the joint covariance of the first, must give what one
- * adjustment of all views gives. */
+ * errors contain those of the camera whose frame the rig's is. After the next adjustment a
+ * variance was up to 30 % too small, and the poses were not the best. Two adjustments in a
+ * row, the second with the joint covariance of the first, must give what one adjustment of
+ * all views gives. */
 #include <math.h>
 #include <string.h>
 

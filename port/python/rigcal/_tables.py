@@ -57,6 +57,8 @@ def _pick(table: Any, names: Iterable[str], wanted: Sequence[str], what: str) ->
 
 def _column(values: Any, what: str) -> Column:
     """A column as an array of one dimension."""
+    if isinstance(values, np.ma.MaskedArray) and np.ma.is_masked(values):
+        raise Error(f"{what}: a row is masked. Leave out the rows of what was not seen")
     try:
         array = np.asarray(values)
     except (TypeError, ValueError, OverflowError):

@@ -16,7 +16,14 @@ from .camera import Camera
 from .errors import Error
 from .transform import Transform
 
-__all__ = ["camera_array", "camera_struct", "one_camera", "real", "reals", "transform_struct"]
+__all__ = [
+    "camera_array",
+    "camera_struct",
+    "one_camera",
+    "real",
+    "reals",
+    "transform_struct",
+]
 
 Array = npt.NDArray[np.float64]
 FLOAT = np.dtype(np.float64)

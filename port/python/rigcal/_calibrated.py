@@ -406,7 +406,8 @@ class CalibratedRig:
         seen_a, seen_b = reals(uv_a, ("n", 2), "uv_a"), reals(uv_b, ("n", 2), "uv_b")
         if len(seen_a) != len(seen_b):
             raise Error(f"uv_a has shape {seen_a.shape} and uv_b {seen_b.shape}")
-        n, numbers = len(seen_a), [self.number(x, "abc"[k]) for k, x in enumerate((a, b, c))]
+        n = len(seen_a)
+        numbers = [self.number(x, name) for x, name in zip((a, b, c), "abc")]
         abc, noise = np.array(numbers, np.uintp), self.noise_px(sigma_px)
         sigma_ab = noise[numbers[:2]]
         out, status = np.zeros(n, TRANSFER), np.zeros(n, np.int32)

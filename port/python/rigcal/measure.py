@@ -184,7 +184,7 @@ class Points:
         """struct rigcal_measured_point (1,), whose pointer is valid: that of a copy of
         these points, or of pickled ones, is not."""
         assert self._gains is not None
-        point = self._points[k : k + 1].copy()
+        point: npt.NDArray[Any] = self._points[k : k + 1].copy()
         point["gains"] = address(self._gains[k])
         return point
 

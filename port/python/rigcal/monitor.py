@@ -32,7 +32,7 @@ class MonitorReport:
 
     alarm         raised, and not yet answered
     body          the likeliest to have moved; without an alarm, that with most evidence
-    confidence    after an alarm, the probability that it was this one
+    confidence    after an alarm, the probability that it was this one: wait some frames
     evidence      log of the sum over its limit: 0 or more raises the alarm
     noise         of the rows over that stated: 1 is as stated; 0: no row yet
     smallest_rad  turn that would have been noticed of the body seen worst; 0: one is blind

@@ -26,7 +26,7 @@ from .camera import Camera
 from .detect import into_rig
 from .detect.detections import Detections
 from .detect.targets import Chessboard
-from .errors import Caveat, Error
+from .errors import Caveat, Error, path_of
 from .formats import save_cameras
 from .rig import Rig
 
@@ -237,14 +237,6 @@ def _held(given: Any) -> list[str]:
     return [str(name) for name in names]
 
 
-def _folder(given: Any) -> str:
-    """The path of `out` as text."""
-    try:
-        return os.fsdecode(given)
-    except TypeError:
-        raise Error(f"out: a folder is expected, not {type(given).__name__}") from None
-
-
 def _intrinsics_sigma(given: Any) -> str:
     name = "intrinsics_sigma"
     values = given
@@ -340,7 +332,7 @@ def calibrate(
                 "observations.csv", "detections", *_observations(detections, weigh)
             ),
         ]
-        kept = _folder(out) if out is not None else str(files.folder / "out")
+        kept = path_of(out, "out") if out is not None else str(files.folder / "out")
         arguments += ["--out=" + kept, "--method=" + str(method)]
         for name, number in (
             ("sigma", sigma_px), ("threshold", threshold_px), ("seed", seed),

@@ -15,7 +15,7 @@ import numpy.typing as npt
 from . import _tables
 from ._calibrated import CalibratedRig, Pair
 from .camera import Camera
-from .errors import Error, FileError
+from .errors import Error, FileError, path_of
 from .formats import load_cameras, save_cameras, stored
 from .formats._common import read_file
 from .measure import Bands, Curves, Points, Spans, Transfers
@@ -322,7 +322,8 @@ class Rig:
     def save(self, path: str | os.PathLike[str], format: str | None = None) -> None:
         """The stored bytes, with the joint covariance, as `*.bin` or format "stored"; else
         the cameras in a format of save_cameras, by the file's name or by `format`."""
-        if format == "stored" or (format is None and os.fspath(path).endswith(".bin")):
+        path = path_of(path)
+        if format == "stored" or (format is None and path.endswith(".bin")):
             try:
                 pathlib.Path(path).write_bytes(self.stored or self.calibrated.to_bytes())
             except OSError as problem:
@@ -360,6 +361,7 @@ def load(path: str | os.PathLike[str], names: Sequence[str] | None = None) -> Ri
     """A rig of stored bytes, of a folder of `calibrate`, or of cameras with poses in a file
     of any format. names: of the cameras of stored bytes, which do not hold them; None:
     those of the rig.csv beside a rig.bin, or cam0, cam1, ..."""
+    path = path_of(path)
     where = pathlib.Path(path)
     if (where / "summary.json").is_file():
         rig = Rig.from_folder(where)

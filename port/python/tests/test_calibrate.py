@@ -558,7 +558,7 @@ def test_wrong_cameras_are_named(cameras: Any, text: str) -> None:
         ({"hold": None}, "hold: names of cameras are expected, not NoneType"),
         ({"robust": "no"}, "robust: True or False is expected, not str"),
         ({"estimate_intrinsics": None}, "estimate_intrinsics: True or False"),
-        ({"out": 3}, "out: a folder is expected, not int"),
+        ({"out": 3}, "out: a path is expected, not int"),
         ({"method": "best"}, 'method is ml or paper, not "best"'),
         ({"intrinsics_sigma": 3}, "intrinsics_sigma: five numbers"),
         ({"intrinsics_sigma": ["a"] * 5}, "intrinsics_sigma: five numbers"),

@@ -394,3 +394,31 @@ def test_cameras_of_a_rig_that_do_not_fit():
             RIG.pair(a, b)
         with pytest.raises(rigcal.Error, match=text):
             RIG.transfer(a, UV_OF, b, UV_OF, 1, sigma_px=1)
+
+
+@pytest.mark.parametrize("value", [None, 3, True, 1.5, np.ones(2), 1j])
+def test_what_is_no_path(value):
+    one = {"a": CAMERA}
+    target = rigcal.Target("aprilgrid", 6, 6, 0.088, 0.3)
+    for call in (
+        lambda: rigcal.load(value),
+        lambda: rigcal.load_cameras(value),
+        lambda: rigcal.load_target(value),
+        lambda: rigcal.save_cameras(value, one),
+        lambda: rigcal.save_target(value, target),
+    ):
+        with pytest.raises(rigcal.Error, match="path: a path is expected"):
+            call()
+
+
+def test_things_to_save_that_are_none(tmp_path):
+    for value in (None, 3, "x"):
+        with pytest.raises(rigcal.Error, match="target: a Target is expected"):
+            rigcal.save_target(tmp_path / "a.yaml", value)
+    for value in (None, 3, [3]):
+        with pytest.raises(rigcal.Error, match="cameras: "):
+            rigcal.save_cameras(tmp_path / "a.yaml", value)
+    assert not list(tmp_path.iterdir())
+    for where in (None, 3, {"a": np.zeros((4, 3))}, [1, 2]):
+        with pytest.raises(rigcal.Error, match="where: "):
+            rigcal.Tags(where)

@@ -176,7 +176,7 @@ def test_distances(rng):
 READ = "import pickle, sys; print(*pickle.load(sys.stdin.buffer).distance(3, 7))"
 
 
-def test_points_that_are_copied_measure_distances(rng):
+def test_points_that_are_copied_measure_distances(rng, tmp_path):
     rig = exact_rig()
     uv = sightings(rig, in_front(rng, 30))
     found = rig.triangulate(uv, sigma_px=0.2, distances=True)
@@ -184,7 +184,8 @@ def test_points_that_are_copied_measure_distances(rng):
     data, copied = pickle.dumps(found), copy.deepcopy(found)
     found._gains.view(np.uint8)[:] = 0xFF  # nobody reads the first points any more
     assert copied.distance(3, 7) == pickle.loads(data).distance(3, 7) == expected
-    there = subprocess.run([sys.executable, "-c", READ], input=data, capture_output=True)
+    command = [sys.executable, "-c", READ]
+    there = subprocess.run(command, input=data, capture_output=True, cwd=tmp_path)
     assert there.returncode == 0
     assert tuple(map(float, there.stdout.split())) == expected
 

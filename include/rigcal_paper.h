@@ -172,7 +172,8 @@ typedef struct rigcal_elimination {
  *               are residuals. This has less noise in w for the same work
  *
  * OK, ERR_NULL, ERR_NOT_FINITE, ERR_RANGE, ERR_TOO_FEW, ERR_DEGENERATE (A is singular to
- * rounding, with all pairs from cond(A) = 1e7 / 700 on; or c = s = 0). Time O(n_pairs). */
+ * rounding, with all pairs from cond(A) = 1.7e7 / 720 on; or c = s = 0). Time
+ * O(n_pairs). */
 RIGCAL_API rigcal_status rigcal_pairs_eliminate(rigcal_elimination *out,
                                                 const rigcal_pair pairs[], size_t n_pairs,
                                                 int32_t pairs_used, int32_t eliminated,

@@ -197,6 +197,33 @@ static void test_the_condition_is_that_of_the_spectral_norm(void)
     ASSERT_NEAR(sqrt(0.4896) / 0.48, out.condition, TOL(1e-14, 1e-5));
 }
 
+/* The offsets of three pairs with one normal are turned by 0, d and -d about the axis of
+ * yaw. With 1/2 taken out, A^T A = diag(1 + 2 cos^2 d, 2 sin^2 d): cond(A) = sqrt(3/2) / d
+ * for small d. The header says from which cond(A) on all pairs are refused. */
+static void test_all_pairs_are_refused_from_the_stated_condition_on(void)
+{
+    const double conditions[2] = {TOL(1.6e7, 700), TOL(1.8e7, 750)}, h = sqrt(0.5);
+    const rigcal_real angles[2] = {0, 0};
+    rigcal_elimination out;
+
+    for (int i = 0; i < 2; i++) {
+        const double d = sqrt(1.5) / conditions[i];
+        const rigcal_pair pairs[3] = {
+            test_pair_of(h, 0, h, h, 0, h),
+            test_pair_of(h, 0, h, h * cos(d), h * sin(d), h),
+            test_pair_of(h, 0, h, h * cos(d), -h * sin(d), h),
+        };
+        if (i == 0) {
+            ASSERT_STATUS(RIGCAL_OK,
+                          rigcal_pairs_eliminate(&out, pairs, 3, 0, RIGCAL_YAW, angles));
+            ASSERT_NEAR(conditions[0], out.condition, 1e-4 * conditions[0]);
+        } else {
+            ASSERT_REFUSED(RIGCAL_ERR_DEGENERATE, out,
+                           rigcal_pairs_eliminate(&out, pairs, 3, 0, RIGCAL_YAW, angles));
+        }
+    }
+}
+
 /* A is well conditioned, but the answer c = s = 0 has no direction. */
 static void test_an_elimination_without_a_direction_is_refused(void)
 {
@@ -577,6 +604,7 @@ TEST_MAIN()
     RUN_TEST(test_coefficients_give_the_residual_at_any_angle);
     RUN_TEST(test_an_elimination_on_paper);
     RUN_TEST(test_the_condition_is_that_of_the_spectral_norm);
+    RUN_TEST(test_all_pairs_are_refused_from_the_stated_condition_on);
     RUN_TEST(test_an_elimination_without_a_direction_is_refused);
     RUN_TEST(test_half_a_turn_is_eliminated_as_plus_pi);
     RUN_TEST(test_elimination_by_two_pairs_is_the_oracles);

@@ -12,6 +12,7 @@ import pathlib
 import re
 import shutil
 import tempfile
+import zipfile
 from collections.abc import Iterator
 from typing import Any
 
@@ -61,6 +62,23 @@ def alone() -> Iterator[None]:
             yield
         finally:
             os.chdir(before)
+
+
+def pack(wheel: pathlib.Path) -> None:
+    """Compresses a wheel as far as its format goes: some 1400 bytes less."""
+    with zipfile.ZipFile(wheel) as loose:
+        files = [(item, loose.read(item)) for item in loose.infolist()]
+    with zipfile.ZipFile(wheel, "w") as tight:
+        for item, data in files:
+            tight.writestr(item, data, zipfile.ZIP_DEFLATED, 9)
+
+
+def build_wheel(
+    wheel_directory: str, config_settings: Any = None, metadata_directory: Any = None
+) -> str:
+    name = str(_build.build_wheel(wheel_directory, config_settings, metadata_directory))
+    pack(pathlib.Path(wheel_directory) / name)
+    return name
 
 
 def build_sdist(sdist_directory: str, config_settings: Any = None) -> str:

@@ -1,6 +1,6 @@
 """Arguments as the C arrays that they have to be; Error names the argument and its shape.
 
-A contiguous float64 array is handed on as it is, without a copy.
+A contiguous, aligned float64 array is handed on as it is, without a copy.
 """
 
 from __future__ import annotations
@@ -16,7 +16,14 @@ from .camera import Camera
 from .errors import Error
 from .transform import Transform
 
-__all__ = ["camera_array", "camera_struct", "real", "reals", "transform_struct"]
+__all__ = [
+    "camera_array",
+    "camera_struct",
+    "one_camera",
+    "real",
+    "reals",
+    "transform_struct",
+]
 
 Array = npt.NDArray[np.float64]
 FLOAT = np.dtype(np.float64)
@@ -39,6 +46,8 @@ def shown(wanted: tuple[int | str, ...]) -> str:
 
 def numeric(value: npt.ArrayLike, what: str, wanted: str, kinds: str) -> npt.NDArray[Any]:
     """`value` as an array of any shape, with a type of one of these kinds."""
+    if isinstance(value, np.ma.MaskedArray) and np.ma.is_masked(value):
+        raise Error(f"{what}: an element is masked; its shape is {value.shape}")
     try:
         array = np.asarray(value)
     except (TypeError, ValueError, OverflowError):  # ragged lists
@@ -54,7 +63,10 @@ def reals(value: npt.ArrayLike, wanted: tuple[int | str, ...], what: str) -> Arr
     """`value` as a contiguous float64 array of a shape like (2, "n", 3), where a letter is
     any number. It may hold NaN."""
     is_plain = (
-        type(value) is np.ndarray and value.dtype is FLOAT and value.flags.c_contiguous
+        type(value) is np.ndarray
+        and value.dtype is FLOAT
+        and value.flags.c_contiguous
+        and value.flags.aligned
     )
     if is_plain:
         array: npt.NDArray[Any] = value  # type: ignore[assignment]
@@ -64,7 +76,7 @@ def reals(value: npt.ArrayLike, wanted: tuple[int | str, ...], what: str) -> Arr
         raise Error(f"{what}: shape {shown(wanted)} is expected, not {array.shape}")
     if array.size > 8 * COUNT_MAX:
         raise Error(f"{what}: shape {array.shape} has more than 2^28 items")
-    return array if is_plain else np.ascontiguousarray(array, FLOAT)
+    return array if is_plain else np.require(array, FLOAT, ["C", "A"])
 
 
 def indices(
@@ -82,6 +94,8 @@ def indices(
 def real(value: Any, what: str, low: float, high: float) -> float:
     """A finite number from low to high."""
     try:
+        if isinstance(value, (str, bytes)):
+            raise TypeError
         number = float(value)
     except (TypeError, ValueError, OverflowError):
         raise Error(f"{what}: a number is expected, not {type(value).__name__}") from None
@@ -125,6 +139,13 @@ def camera_struct(camera: Camera) -> npt.NDArray[Any]:
         struct.setflags(write=False)
         camera.__dict__["_struct"] = struct
     return struct
+
+
+def one_camera(camera: Any) -> npt.NDArray[Any]:
+    """struct rigcal_camera (1,); Error if it is anything but a Camera."""
+    if not isinstance(camera, Camera):
+        raise Error(f"camera: a Camera is expected, not {type(camera).__name__}")
+    return camera_struct(camera)
 
 
 def camera_array(cameras: Any, what: str = "camera") -> npt.NDArray[Any]:

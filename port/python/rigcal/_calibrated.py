@@ -8,7 +8,16 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Union
 import numpy as np
 import numpy.typing as npt
 
-from ._arrays import Array, camera_struct, numeric, real, reals, transform_struct, whole
+from ._arrays import (
+    Array,
+    flag,
+    numeric,
+    one_camera,
+    real,
+    reals,
+    transform_struct,
+    whole,
+)
 from ._layout import (
     CALIBRATED_RIG,
     MATCH_PAIR,
@@ -119,16 +128,19 @@ class CalibratedRig:
     @classmethod
     def from_cameras(cls, cameras: Mapping[str, Camera] | Sequence[Camera]) -> Any:
         """From cameras with cam_from_rig, whose poses then count as exact."""
+        if not isinstance(cameras, (Mapping, Sequence)):
+            raise Error(f"cameras: several are expected, not {type(cameras).__name__}")
+        listed = list(cameras.values() if isinstance(cameras, Mapping) else cameras)
+        structs = [one_camera(camera) for camera in listed]
         if isinstance(cameras, Mapping):
-            names, listed = list(cameras), list(cameras.values())
+            names = list(cameras)
         else:
-            listed = list(cameras)
             names = [camera.name or f"cam{k}" for k, camera in enumerate(listed)]
         mounted = np.zeros(len(listed), MOUNTED_CAMERA)
-        for name, camera, to in zip(names, listed, mounted):
+        for name, camera, struct, to in zip(names, listed, structs, mounted):
             if camera.cam_from_rig is None:
                 raise Error(f"camera {name}: it has no cam_from_rig")
-            to["camera"] = camera_struct(camera)[0]
+            to["camera"] = struct[0]
             to["cam_from_rig"] = transform_struct(camera.cam_from_rig, name)[0]
         rig = cls(names, mounted)
         for k, camera in enumerate(listed):
@@ -148,6 +160,8 @@ class CalibratedRig:
         info = np.zeros(1, SAVED_INFO)
         must(lib.store_info(address(info), address(bytes_), len(bytes_)), "bytes")
         n, free = int(info["n_cameras"][0]), max(int(info["n_free"][0]), 0)
+        if names is not None and not isinstance(names, Sequence):
+            raise Error(f"names: {n} are expected, not {type(names).__name__}")
         if names is not None and len(names) != n:
             raise Error(f"names: {n} are expected, not {len(names)}")
         size = lib.calibrated_size(free)
@@ -213,7 +227,7 @@ class CalibratedRig:
                 known, where = ", ".join(self.names), argument and f"{argument}: "
                 raise Error(f"{where}there is no camera {camera!r} in this rig: {known}")
             return self.names.index(camera)
-        return whole(camera, "camera", 0, len(self.names) - 1)
+        return whole(camera, argument or "camera", 0, len(self.names) - 1)
 
     def __getitem__(self, camera: Which) -> Camera:
         """A camera with its cam_from_rig."""
@@ -272,7 +286,7 @@ class CalibratedRig:
 
     def pair(self, a: Which, b: Which) -> Pair:
         """b_from_a, and its covariance with the cross terms of both."""
-        i, j = self.number(a), self.number(b)
+        i, j = self.number(a, "a"), self.number(b, "b")
         if self.sigma_px == 0:
             if self._group[i] != self._group[j]:
                 must(Status.RIGCAL_DISCONNECTED, f"{self.names[j]} from {self.names[i]}")
@@ -356,6 +370,7 @@ class CalibratedRig:
         seen, n = self._pixels(uv)
         noise, cameras = self.noise_px(sigma_px), len(self.names)
         least = real(parallax_least, "parallax_least", 0, np.pi / 2)
+        keep_all, distances = flag(keep_all, "keep_all"), flag(distances, "distances")
         points, status = np.zeros(n, MEASURED_POINT), np.zeros(n, np.int32)
         used = np.zeros((n, cameras), np.bool_)
         gains = np.zeros((n, cameras), POINT_GAIN) if distances else None
@@ -391,7 +406,8 @@ class CalibratedRig:
         seen_a, seen_b = reals(uv_a, ("n", 2), "uv_a"), reals(uv_b, ("n", 2), "uv_b")
         if len(seen_a) != len(seen_b):
             raise Error(f"uv_a has shape {seen_a.shape} and uv_b {seen_b.shape}")
-        n, numbers = len(seen_a), [self.number(camera) for camera in (a, b, c)]
+        n = len(seen_a)
+        numbers = [self.number(x, name) for x, name in zip((a, b, c), "abc")]
         abc, noise = np.array(numbers, np.uintp), self.noise_px(sigma_px)
         sigma_ab = noise[numbers[:2]]
         out, status = np.zeros(n, TRANSFER), np.zeros(n, np.int32)
@@ -422,7 +438,7 @@ class CalibratedRig:
 
         rigcal_match.h; EQUATIONS.md MATCH.
         """
-        i, j = self.number(a), self.number(b)
+        i, j = self.number(a, "a"), self.number(b, "b")
         if i == j:
             raise Error(f"a and b are one camera, {self.names[i]}: a line takes two")
         if not isinstance(depth, (tuple, list)) or len(depth) != 2:

@@ -57,6 +57,8 @@ def _pick(table: Any, names: Iterable[str], wanted: Sequence[str], what: str) ->
 
 def _column(values: Any, what: str) -> Column:
     """A column as an array of one dimension."""
+    if isinstance(values, np.ma.MaskedArray) and np.ma.is_masked(values):
+        raise Error(f"{what}: a row is masked. Leave out the rows of what was not seen")
     try:
         array = np.asarray(values)
     except (TypeError, ValueError, OverflowError):
@@ -226,8 +228,16 @@ def write(path: Path, table: Mapping[str, Sequence[Any]]) -> None:
 
 def read(path: Path) -> dict[str, list[str]]:
     """A CSV file that the program wrote: its columns."""
-    with open(path, encoding="utf-8", errors="surrogateescape", newline="") as file:
-        head, *rows = list(csv.reader(file))
+    try:
+        with open(path, encoding="utf-8", errors="surrogateescape", newline="") as file:
+            head, *rows = list(csv.reader(file))
+    except OSError as problem:
+        raise FileError(path, str(problem.strerror)) from None
+    except (ValueError, csv.Error):
+        raise FileError(path, "this is no table") from None
+    for k, row in enumerate(rows):
+        if len(row) != len(head):
+            raise FileError(path, f"row {k} has {len(row)} values, not {len(head)}")
     return {name: [row[k] for row in rows] for k, name in enumerate(head)}
 
 

@@ -21,11 +21,12 @@ from typing import IO, Any, Callable, Union
 import numpy as np
 
 from . import _tables
+from ._arrays import flag
 from .camera import Camera
 from .detect import into_rig
 from .detect.detections import Detections
 from .detect.targets import Chessboard
-from .errors import Caveat, Error
+from .errors import Caveat, Error, path_of
 from .formats import save_cameras
 from .rig import Rig
 
@@ -182,11 +183,12 @@ class _Files:
     def in_words_of_arguments(self, line: str) -> str:
         """A message without the paths of this folder. Line 2 of a file is row 0."""
         for path, argument in self.called.items():
+            is_about = path in line
             for number in re.findall(re.escape(path) + r":(\d+): ", line):
                 line = line.replace(
                     f"{path}:{number}", f"{argument}, row {int(number) - 2}"
                 )
-            if path in line:
+            if is_about:
                 line = re.sub(
                     r" on line (\d+)", lambda n: f" in row {int(n.group(1)) - 2}", line
                 )
@@ -225,6 +227,14 @@ def _number(value: Any, name: str) -> str:
     if array.ndim or not np.isfinite(array):
         raise Error(f"{name}: a number is expected, not {value!r}")
     return repr(float(array))
+
+
+def _held(given: Any) -> list[str]:
+    """The names of `hold`."""
+    names = [given] if isinstance(given, str) else given
+    if not isinstance(names, Iterable):
+        raise Error(f"hold: names of cameras are expected, not {type(given).__name__}")
+    return [str(name) for name in names]
 
 
 def _intrinsics_sigma(given: Any) -> str:
@@ -322,7 +332,7 @@ def calibrate(
                 "observations.csv", "detections", *_observations(detections, weigh)
             ),
         ]
-        kept = os.fspath(out) if out is not None else str(files.folder / "out")
+        kept = path_of(out, "out") if out is not None else str(files.folder / "out")
         arguments += ["--out=" + kept, "--method=" + str(method)]
         for name, number in (
             ("sigma", sigma_px), ("threshold", threshold_px), ("seed", seed),
@@ -336,10 +346,9 @@ def calibrate(
             ("weigh", weigh), ("robust", robust), ("clocks", clocks), ("drift", drift),
             ("estimate-intrinsics", estimate_intrinsics),
         ):  # fmt: skip
-            if is_wanted:
+            if flag(is_wanted, name.replace("-", "_")):
                 arguments.append("--" + name)
-        for name in [hold] if isinstance(hold, str) else hold:
-            arguments.append(f"--hold={name}")
+        arguments += [f"--hold={name}" for name in _held(hold)]
         if prior is not None:
             arguments.append("--prior=" + _prior(files, prior))
         if times is not None:
@@ -351,7 +360,8 @@ def calibrate(
         told = joined(files.in_words_of_arguments(line) for line in messages)
         told = [_as_arguments(text) for text in told]
         if status not in (0, 1) or not report:  # then there is no rig, and no file
-            text = "\n".join(told[: WARNED_MOST if status == 1 else 1])
+            # Wrong use is the last message. Caveats may stand before it.
+            text = "\n".join(told[:WARNED_MOST] if status == 1 else told[-1:])
             raise Error(text or f"the program ended with status {status}")
         rig = Rig.from_folder(kept, report, told, known)
         if isinstance(detections, Detections):

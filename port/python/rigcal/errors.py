@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from typing import Any
 
 __all__ = ["Caveat", "Error", "FileError"]
 
@@ -35,6 +36,14 @@ class FileError(Error):
 
     def __reduce__(self) -> tuple[type[FileError], tuple[str, str]]:
         return type(self), (self.path, self.what)
+
+
+def path_of(path: Any, what: str = "path") -> str:
+    """The path as text; Error if it is none."""
+    try:
+        return os.fsdecode(path)
+    except TypeError:
+        raise Error(f"{what}: a path is expected, not {type(path).__name__}") from None
 
 
 class Caveat(UserWarning):

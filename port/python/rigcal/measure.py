@@ -13,6 +13,7 @@ from ._arrays import (
     camera_struct,
     needs_size,
     numeric,
+    one_camera,
     real,
     reals,
     transform_struct,
@@ -62,12 +63,6 @@ class Rays(NamedTuple):
 
     rays: Array
     status: Statuses
-
-
-def one_camera(camera: Any) -> npt.NDArray[Any]:
-    if not isinstance(camera, Camera):
-        raise Error(f"camera: a Camera is expected, not {type(camera).__name__}")
-    return camera_struct(camera)
 
 
 def project(
@@ -185,10 +180,20 @@ class Points:
         """(n,) widest angle between two of its rays [rad]."""
         return self._field("parallax")
 
+    def _point(self, k: int) -> npt.NDArray[Any]:
+        """struct rigcal_measured_point (1,), whose pointer is valid: that of a copy of
+        these points, or of pickled ones, is not."""
+        assert self._gains is not None
+        point: npt.NDArray[Any] = self._points[k : k + 1].copy()
+        point["gains"] = address(self._gains[k])
+        return point
+
     def distance(self, i: int, j: int, other: Points | None = None) -> tuple[float, float]:
         """How far point i is from point j (of `other`, of the same rig), and the standard
         deviation of that: the calibration's error is common to both and mostly cancels."""
         that = self if other is None else other
+        if not isinstance(that, Points):
+            raise Error(f"other: Points are expected, not {type(that).__name__}")
         if self._gains is None or that._gains is None:
             raise Error("distance: ask for it: triangulate(..., distances=True)")
         if that._rig is not self._rig:
@@ -196,14 +201,11 @@ class Points:
         i, j = range(len(self))[i], range(len(that))[j]
         for points, k in ((self, i), (that, j)):
             must(int(points.status[k]), f"point {k}")
-        out = np.zeros(2)
+        out, a, b = np.zeros(2), self._point(i), that._point(j)
         status = lib.point_distance(
-            address(out),
-            address(out[1:]),
-            address(self._rig.struct),
-            address(self._points[i:]),
-            address(that._points[j:]),
-        )
+            address(out), address(out[1:]), address(self._rig.struct), address(a),
+            address(b),
+        )  # fmt: skip
         must(status, f"distance of points {i} and {j}")
         return float(out[0]), float(out[1])
 

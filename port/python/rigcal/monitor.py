@@ -32,7 +32,7 @@ class MonitorReport:
 
     alarm         raised, and not yet answered
     body          the likeliest to have moved; without an alarm, that with most evidence
-    confidence    after an alarm, the probability that it was this one
+    confidence    after an alarm, the probability that it was this one: wait some frames
     evidence      log of the sum over its limit: 0 or more raises the alarm
     noise         of the rows over that stated: 1 is as stated; 0: no row yet
     smallest_rad  turn that would have been noticed of the body seen worst; 0: one is blind
@@ -89,6 +89,9 @@ class Monitor:
         if not isinstance(rig, CalibratedRig):
             raise Error(f"rig: a calibrated rig is expected, not {type(rig).__name__}")
         targets = whole(targets, "targets", 0, RIGCAL_MONITOR_TARGETS_MAX)
+        if rig.sigma_px == 0:
+            text = "rig: its poses count as exact, and their covariance is needed"
+            raise Error(text, Status.RIGCAL_ERR_STATE.name)
         self._rig = rig
         self.names = rig.names + [f"target{k}" for k in range(targets)]
         values = np.zeros(1, MONITOR_OPTIONS)
@@ -132,7 +135,7 @@ class Monitor:
     ) -> npt.NDArray[np.int32]:
         """n points of the scene, at uv_a (n, 2) of camera a and uv_b (n, 2) of b; the
         Status of each is returned. sigma_px None: the larger noise of the two."""
-        i, j = self._rig.number(a), self._rig.number(b)
+        i, j = self._rig.number(a, "a"), self._rig.number(b, "b")
         seen_a, seen_b = reals(uv_a, ("n", 2), "uv_a"), reals(uv_b, ("n", 2), "uv_b")
         if len(seen_a) != len(seen_b):
             raise Error(f"uv_a has shape {seen_a.shape} and uv_b {seen_b.shape}")

@@ -15,10 +15,10 @@ from . import _arrays
 from ._arrays import (
     Array,
     camera_array,
-    camera_struct,
     flag,
     indices,
     numeric,
+    one_camera,
     real,
     reals,
     whole,
@@ -330,6 +330,12 @@ def robust_options(
     return options
 
 
+def not_robust(*options: Any) -> None:
+    """Error if an option of struct rigcal_robust_options is given to another solver."""
+    if any(option is not None for option in options):
+        raise Error("threshold_px, samples, seed, max_units: for robust=True")
+
+
 def frames_of(camera: Camera) -> tuple[str, str]:
     return (camera.name or "cam", "world")
 
@@ -444,8 +450,7 @@ def solve_pose(
     rigcal.h, "pose" and "robust"; EQUATIONS.md A to D.
     """
     points, pixels, factors = matched(X, uv, sigma)
-    struct = camera_array(camera) if type(camera) is not Camera else camera_struct(camera)
-    n = len(pixels)
+    struct, n = one_camera(camera), len(pixels)
     inliers = None
     robust = flag(robust, "robust")
     if robust:
@@ -456,8 +461,7 @@ def solve_pose(
         )
         inliers = np.zeros(n, np.bool_)
     else:
-        if any(x is not None for x in (threshold_px, samples, seed, max_units)):
-            raise Error("threshold_px, samples, seed, max_units: for robust=True")
+        not_robust(threshold_px, samples, seed, max_units)
         options = pose_options(sigma_px, start)
 
     block = take_block()
@@ -550,6 +554,8 @@ def batch(X: Any, uv: Any, n: npt.ArrayLike | None) -> Batch:
         return ragged(X, uv, n)
     if isinstance(uv, (list, tuple)):
         pixels, counts = joined(uv, 2, "uv")
+        if isinstance(X, np.ndarray) and X.ndim == 3:
+            X = list(X)
         if isinstance(X, (list, tuple)) and X and numeric(X[0], "X", *POINTS).ndim == 2:
             points, of_points = joined(X, 3, "X")
             if of_points != counts:
@@ -564,6 +570,20 @@ def batch(X: Any, uv: Any, n: npt.ArrayLike | None) -> Batch:
     points = reals(X, (count, 3) if is_one else (views, count, 3), "X")
     first = np.arange(views + 1, dtype=np.int64) * count
     return Batch(points, pixels, None, first, is_one)
+
+
+def sigma_of(sigma: Any, views: Batch, is_list: bool) -> Array:
+    """The sigma of each point of a batch, whose views were a list or one array."""
+    if is_list and isinstance(sigma, (list, tuple)):
+        counts = np.diff(views.first).tolist()
+        if len(sigma) != len(counts):
+            raise Error(f"sigma: {len(counts)} views are expected, not {len(sigma)}")
+        parts = [
+            reals(part, (count,), f"sigma[{k}]")
+            for k, (part, count) in enumerate(zip(sigma, counts))
+        ]
+        return np.concatenate([*parts, np.zeros(0)])
+    return reals(sigma, views.uv.shape[:-1], "sigma")
 
 
 def solve_poses(
@@ -590,7 +610,8 @@ def solve_poses(
     X, uv       (K, n, 3) and (K, n, 2); or X (n, 3), the same target in every view; or
                 lists of (n_k, 3) and (n_k, 2); or, with n (K,) the number of points of
                 each view, all views one after the other, (sum n, 3) and (sum n, 2)
-    sigma       of each point, in the shape of uv without its last axis
+    sigma       of each point, in the shape of uv without its last axis; of a list of
+                views, a list of (n_k,) or (sum n_k,)
     covariance  True: how sure each is, too: some 10 % more time
     most        poses kept of each view: 1 to 4; `P[k].others`
     threads     None: one a core. Python's other threads run during it
@@ -608,14 +629,14 @@ def solve_poses(
             f"camera_of: {len(cameras)} cameras, and not said which view is of which"
         )
     if sigma is not None:
-        shape = views.uv.shape[:-1]
-        views.sigma = reals(sigma, shape, "sigma")
+        views.sigma = sigma_of(sigma, views, n is None and isinstance(uv, (list, tuple)))
     robust = flag(robust, "robust")
     if robust:
         options: npt.NDArray[Any] | None = robust_options(
             sigma_px, threshold_px, samples, seed, max_units
         )
     else:
+        not_robust(threshold_px, samples, seed, max_units)
         options = pose_options(sigma_px, None)
     most = whole(most, "most", 1, RIGCAL_POSES_MAX)
 
@@ -675,9 +696,7 @@ def solve_tags(
     pixels = reals(corners, ("K", 4, 2), "corners")
     length = real(size, "size", 0, 1e30)
     most = whole(most, "most", 1, RIGCAL_POSES_MAX)
-    if not isinstance(camera, Camera):
-        raise Error(f"camera: a Camera is expected, not {type(camera).__name__}")
-    struct, options = camera_struct(camera), pose_options(sigma_px, None)
+    struct, options = one_camera(camera), pose_options(sigma_px, None)
     count = len(pixels)
     poses, results = np.empty((count, most), POSE), np.empty(count, RESULT)
     uncertainties = np.empty(count, UNCERTAINTY)
@@ -788,9 +807,7 @@ def examine(
 ) -> tuple[Any, Array]:
     """Runs rigcal_pose_blame or _diagnose on one view."""
     points, pixels, factors = matched(X, uv, sigma)
-    if not isinstance(camera, Camera):
-        raise Error(f"camera: a Camera is expected, not {type(camera).__name__}")
-    struct = camera_struct(camera)
+    struct = one_camera(camera)
     observations = np.empty(len(pixels), OBSERVATION)
     observations["X_w"], observations["uv"] = points, pixels
     view = np.zeros(1, VIEW)

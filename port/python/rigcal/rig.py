@@ -15,7 +15,7 @@ import numpy.typing as npt
 from . import _tables
 from ._calibrated import CalibratedRig, Pair
 from .camera import Camera
-from .errors import Error, FileError
+from .errors import Error, FileError, path_of
 from .formats import load_cameras, save_cameras, stored
 from .formats._common import read_file
 from .measure import Bands, Curves, Points, Spans, Transfers
@@ -322,7 +322,8 @@ class Rig:
     def save(self, path: str | os.PathLike[str], format: str | None = None) -> None:
         """The stored bytes, with the joint covariance, as `*.bin` or format "stored"; else
         the cameras in a format of save_cameras, by the file's name or by `format`."""
-        if format == "stored" or (format is None and os.fspath(path).endswith(".bin")):
+        path = path_of(path)
+        if format == "stored" or (format is None and path.endswith(".bin")):
             try:
                 pathlib.Path(path).write_bytes(self.stored or self.calibrated.to_bytes())
             except OSError as problem:
@@ -353,13 +354,21 @@ class Rig:
     ) -> Rig:
         """From what `rigcal calibrate --out FOLDER` wrote. given: cameras whose `extra`
         is kept."""
-        return _Reader(pathlib.Path(folder)).rig(report, list(warnings), given or {})
+        reader = _Reader(pathlib.Path(path_of(folder, "folder")))
+        try:
+            return reader.rig(report, list(warnings), given or {})
+        except FileError:
+            raise
+        except (ValueError, LookupError, TypeError, AttributeError) as problem:
+            what = "this file is damaged, or of another run than the others"
+            raise FileError(reader.folder / reader.reading, f"{what}: {problem}") from None
 
 
 def load(path: str | os.PathLike[str], names: Sequence[str] | None = None) -> Rig:
     """A rig of stored bytes, of a folder of `calibrate`, or of cameras with poses in a file
     of any format. names: of the cameras of stored bytes, which do not hold them; None:
     those of the rig.csv beside a rig.bin, or cam0, cam1, ..."""
+    path = path_of(path)
     where = pathlib.Path(path)
     if (where / "summary.json").is_file():
         rig = Rig.from_folder(where)
@@ -369,7 +378,7 @@ def load(path: str | os.PathLike[str], names: Sequence[str] | None = None) -> Ri
     if data.startswith(stored.MAGIC):
         beside = where.with_name("rig.csv")
         if names is None and where.name == "rig.bin" and beside.is_file():
-            names = _tables.read(beside)["camera"]
+            names = _tables.read(beside).get("camera")
         try:
             calibrated = CalibratedRig.from_bytes(data, names)
         except Error as problem:
@@ -438,21 +447,37 @@ def _residuals_dtype(
     ]
 
 
+SUMMARY = (
+    "F",
+    "sqrt_F",
+    "sigma_px",
+    "noise_px",
+    "verdict",
+    "sentences",
+    "findings",
+    "next",
+)
+
+
 class _Reader:
     """The files of a folder."""
 
     def __init__(self, folder: pathlib.Path) -> None:
-        self.folder = folder
+        self.folder, self.reading = folder, "summary.json"
         try:
             text = (folder / "summary.json").read_text("utf-8", "surrogateescape")
             self.summary: dict[str, Any] = json.loads(text)
+            missing = [key for key in SUMMARY if key not in self.summary]
         except OSError as problem:
             raise FileError(folder / "summary.json", str(problem.strerror)) from None
-        except ValueError:
+        except (ValueError, TypeError):
             raise FileError(folder / "summary.json", "this is no summary") from None
+        if missing:
+            what = f"there is no {', '.join(missing)}"
+            raise FileError(folder / "summary.json", what)
 
     def table(self, name: str) -> dict[str, list[str]]:
-        path = self.folder / name
+        path, self.reading = self.folder / name, name
         return _tables.read(path) if path.is_file() else {}
 
     def rig(self, report: str, warnings: list[str], given: Mapping[str, Camera]) -> Rig:

@@ -34,6 +34,8 @@ def numbers(value: npt.ArrayLike, shape: tuple[int, ...] | None, what: str) -> A
         if shape is None
         else f"numbers of shape {shape} are expected"
     )
+    if isinstance(value, np.ma.MaskedArray) and np.ma.is_masked(value):
+        raise Error(f"{what}: an element is masked")
     try:
         given = np.asarray(value)
         if given.dtype.kind not in "biufO":  # texts, complex numbers, dates

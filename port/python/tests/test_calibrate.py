@@ -487,6 +487,11 @@ WRONG: list[tuple[Any, str]] = [
     ({**GOOD, "u": [1.0, object(), 3]}, r"detections\['u'\]: numbers are expected"),
     ({**GOOD, "u": [1.0, np.nan, 3]}, r"detections\['u'\], row 1: nan is no number"),
     ({**GOOD, "X": [1.0, np.inf, 3]}, r"detections\['X'\], row 1: inf"),
+    (
+        {**GOOD, "u": np.ma.masked_array([1.0, 2, 3], mask=[0, 1, 0])},
+        r"detections\['u'\]: a row is masked",
+    ),
+    ({**GOOD, "point": ["a", "b", "a"]}, r"detections, row 2: point a .* in row 0 already"),
     ({**GOOD, "u": [1 + 2j, 2, 3]}, r"detections\['u'\]: numbers .* complex128"),
     ({**GOOD, "u": [True, False, True]}, r"detections\['u'\]: numbers .* bool"),
     ({**GOOD, "frame": [1.5, 1, 1]}, r"detections\['frame'\], row 0: a name .* not 1.5"),
@@ -549,6 +554,11 @@ def test_wrong_cameras_are_named(cameras: Any, text: str) -> None:
         ({"robust": True, "threshold_px": 0}, "threshold_px is from"),
         ({"clocks": True}, "clocks goes with times"),
         ({"hold": "x"}, "hold x: this camera is not in cameras"),
+        ({"hold": 3}, "hold: names of cameras are expected, not int"),
+        ({"hold": None}, "hold: names of cameras are expected, not NoneType"),
+        ({"robust": "no"}, "robust: True or False is expected, not str"),
+        ({"estimate_intrinsics": None}, "estimate_intrinsics: True or False"),
+        ({"out": 3}, "out: a path is expected, not int"),
         ({"method": "best"}, 'method is ml or paper, not "best"'),
         ({"intrinsics_sigma": 3}, "intrinsics_sigma: five numbers"),
         ({"intrinsics_sigma": ["a"] * 5}, "intrinsics_sigma: five numbers"),
@@ -566,6 +576,12 @@ def test_wrong_cameras_are_named(cameras: Any, text: str) -> None:
 def test_wrong_options_are_named(options: dict[str, Any], text: str) -> None:
     with pytest.raises(rigcal.Error, match=text):
         rigcal.calibrate({"a": camera(), "b": camera()}, GOOD, **options)
+
+
+def test_a_wrong_option_is_named_although_something_else_was_said_before() -> None:
+    outside = {**GOOD, "u": [9999.0, 1, 2]}
+    with pytest.raises(rigcal.Error, match=r"^clocks goes with times"):
+        rigcal.calibrate({"a": camera(), "b": camera()}, outside, clocks=True)
 
 
 def complaint(call: Any, *arguments: Any) -> str | None:

@@ -304,3 +304,29 @@ def test_pictures():
         read_picture(__file__)
     with pytest.raises(rigcal.FileError, match="no video that OpenCV reads"):
         read_picture((__file__, 0))
+
+
+@pytest.mark.parametrize(
+    "target",
+    [
+        rigcal.Chessboard(9, 6, 0.025),
+        rigcal.Charuco(4, 5, 0.054, 0.0405),
+        rigcal.AprilGrid(6, 6, 0.088, 0.3),
+        rigcal.Tag(0.16, family="4X4_50"),
+    ],
+)
+def test_a_picture_of_a_few_pixels_shows_nothing(target):
+    for size in ((1, 1), (2, 2), (1, 640), (2, 640), (640, 2), (12, 12), (5, 5000)):
+        with pytest.raises(rigcal.Error, match="none of 1 pictures"):
+            rigcal.detect({"a": [np.zeros(size, np.uint8)]}, target)
+
+
+def test_options_of_detect_that_do_not_fit():
+    image = np.zeros((100, 100), np.uint8)
+    for options, text in (
+        ({"threads": 0}, "threads: a whole number from 1"),
+        ({"threads": "x"}, "threads: a whole number from 1"),
+        ({"detector": 3}, "detector: options by name, not int"),
+    ):
+        with pytest.raises(rigcal.Error, match=text):
+            rigcal.detect({"a": [image]}, rigcal.Chessboard(9, 6, 0.025), **options)

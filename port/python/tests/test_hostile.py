@@ -287,3 +287,138 @@ def test_cameras_that_do_not_fit():
             rigcal.solve_poses(camera, X_OF, views, **options)
     with pytest.raises(rigcal.Error, match="camera"):
         rigcal.solve_pose("cam", X_OF, UV_OF)
+
+
+def layouts(array):
+    """The same numbers in other memory."""
+    sliced = np.full([2 * n for n in array.shape], 7.0)[tuple([np.s_[::2]] * array.ndim)]
+    sliced[...] = array
+    odd = np.frombuffer(bytearray(array.nbytes + 1), np.float64, array.size, 1)
+    odd = odd.reshape(array.shape)
+    odd[...] = array
+    assert not odd.flags.aligned
+    return {
+        "sliced": sliced,
+        "reversed": np.ascontiguousarray(array[::-1])[::-1],
+        "Fortran": np.asfortranarray(array),
+        "big-endian": array.astype(">f8"),
+        "not aligned": odd,
+        "no mask": np.ma.masked_array(array),
+        "list": array.tolist(),
+    }
+
+
+@pytest.mark.parametrize("name", ["solve_pose", "project", "distort"])
+def test_equal_numbers_give_the_same_bits(name):
+    call, (_, good_a, _), (_, good_b, _) = CALLS[name]
+
+    def numbers(a, b):
+        out = call(a, b)
+        pose = getattr(out, "cam_from_world", None)
+        return [np.asarray(x) for x in ((pose.R, pose.t) if pose else out)]
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        expected = numbers(good_a, good_b)
+        for layout, array in layouts(good_a).items():
+            other = layouts(good_b)[layout] if isinstance(good_b, np.ndarray) else good_b
+            for x, y in zip(expected, numbers(array, other)):
+                assert x.tobytes() == y.tobytes(), layout
+
+
+@pytest.mark.parametrize("name", CALLS)
+def test_masked_elements_are_not_read(name):
+    call, (first, good, _), (_, other, _) = CALLS[name]
+    if not isinstance(good, np.ndarray):
+        return
+    masked = np.ma.masked_array(good, mask=np.zeros(good.shape, bool))
+    masked[..., 0, 0] = np.ma.masked
+    text = answer(call, masked, other)
+    assert text is not None
+    assert re.search(rf"\b{first}\b.*masked", text), text
+
+
+def test_sigma_has_the_form_of_the_views():
+    sizes, rng = (6, 4, 5), np.random.default_rng(5)
+    parts = [UV_OF[:n] for n in sizes]
+    X, sigma = [X_OF[:n] for n in sizes], [rng.uniform(0.5, 2, n) for n in sizes]
+    listed = rigcal.solve_poses(CAMERA, X, parts, sigma=sigma)
+    joined = rigcal.solve_poses(CAMERA, X, parts, sigma=np.concatenate(sigma))
+    assert np.array_equal(listed.sse, joined.sse, equal_nan=True)
+    for k, n in enumerate(sizes):
+        one = rigcal.solve_poses(CAMERA, X_OF[:n], UV_OF[None, :n], sigma=sigma[k][None])
+        assert np.array_equal(one.sse, listed.sse[k : k + 1], equal_nan=True)
+    assert np.isfinite(listed.sse).any()
+    for wrong, text in (
+        (sigma[:2], "sigma: 3 views"),
+        ([*sigma[:2], np.ones(4)], r"sigma\[2\]: shape \(5,\)"),
+        (np.ones(14), r"sigma: shape \(15,\)"),
+    ):
+        with pytest.raises(rigcal.Error, match=text):
+            rigcal.solve_poses(CAMERA, X, parts, sigma=wrong)
+
+
+def test_one_array_of_targets_and_a_list_of_views():
+    X, uv = np.stack([X_OF, X_OF + 0.01]), np.stack([UV_OF, UV_OF + 1])
+    mixed = rigcal.solve_poses(CAMERA, X, list(uv))
+    assert np.array_equal(mixed.t, rigcal.solve_poses(CAMERA, X, uv).t, equal_nan=True)
+
+
+def test_options_that_contradict():
+    for call in (rigcal.solve_pose, rigcal.solve_poses):
+        uv = UV_OF if call is rigcal.solve_pose else UV_OF[None]
+        for option in ("threshold_px", "samples", "seed", "max_units"):
+            with pytest.raises(rigcal.Error, match=option):
+                call(CAMERA, X_OF, uv, **{option: 3})
+    with pytest.raises(rigcal.Error, match="camera: a Camera is expected, not list"):
+        rigcal.solve_pose([CAMERA], X_OF, UV_OF)
+    with pytest.raises(rigcal.Error, match="sigma_px: a number is expected, not str"):
+        rigcal.solve_pose(CAMERA, X_OF, UV_OF, sigma_px="0.5")
+    seen = np.stack([UV_OF, UV_OF])
+    for option in ("keep_all", "distances"):
+        for value in ("no", None, np.ones(3)):
+            with pytest.raises(rigcal.Error, match=option):
+                RIG.triangulate(seen, sigma_px=1, **{option: value})
+
+
+def test_cameras_of_a_rig_that_do_not_fit():
+    for cameras in (None, 3, CAMERA, [3], {"a": None}):
+        with pytest.raises(rigcal.Error, match="camera"):
+            rigcal.CalibratedRig.from_cameras(cameras)
+    with pytest.raises(rigcal.Error, match="names: 2 are expected, not int"):
+        rigcal.CalibratedRig.from_bytes(RIG.to_bytes(), 3)
+    for a, b, text in (("x", 0, "a: there is no camera 'x'"), (0, 7, "b: a whole number")):
+        with pytest.raises(rigcal.Error, match=text):
+            RIG.band(a, UV_OF, b, sigma_px=1)
+        with pytest.raises(rigcal.Error, match=text):
+            RIG.pair(a, b)
+        with pytest.raises(rigcal.Error, match=text):
+            RIG.transfer(a, UV_OF, b, UV_OF, 1, sigma_px=1)
+
+
+@pytest.mark.parametrize("value", [None, 3, True, 1.5, np.ones(2), 1j])
+def test_what_is_no_path(value):
+    one = {"a": CAMERA}
+    target = rigcal.Target("aprilgrid", 6, 6, 0.088, 0.3)
+    for call in (
+        lambda: rigcal.load(value),
+        lambda: rigcal.load_cameras(value),
+        lambda: rigcal.load_target(value),
+        lambda: rigcal.save_cameras(value, one),
+        lambda: rigcal.save_target(value, target),
+    ):
+        with pytest.raises(rigcal.Error, match="path: a path is expected"):
+            call()
+
+
+def test_things_to_save_that_are_none(tmp_path):
+    for value in (None, 3, "x"):
+        with pytest.raises(rigcal.Error, match="target: a Target is expected"):
+            rigcal.save_target(tmp_path / "a.yaml", value)
+    for value in (None, 3, [3]):
+        with pytest.raises(rigcal.Error, match="cameras: "):
+            rigcal.save_cameras(tmp_path / "a.yaml", value)
+    assert not list(tmp_path.iterdir())
+    for where in (None, 3, {"a": np.zeros((4, 3))}, [1, 2]):
+        with pytest.raises(rigcal.Error, match="where: "):
+            rigcal.Tags(where)

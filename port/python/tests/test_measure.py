@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import copy
 import ctypes
 import dataclasses
+import pickle
+import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -156,6 +160,8 @@ def test_distances(rng):
     )
     again = rig.triangulate(uv, sigma_px=0.2, distances=True)
     assert found.distance(3, 7, again) == (d, sigma)
+    with pytest.raises(rigcal.Error, match="other: Points are expected, not int"):
+        found.distance(0, 1, 3)
     with pytest.raises(rigcal.Error, match="distances=True"):
         rig.triangulate(uv, sigma_px=0.2).distance(0, 1)
     with pytest.raises(rigcal.Error, match="another rig"):
@@ -165,6 +171,23 @@ def test_distances(rng):
     uv["c0"][:] = uv["c1"][:] = np.nan
     with pytest.raises(rigcal.Error, match="point 0"):
         rig.triangulate(uv, sigma_px=0.2, distances=True).distance(0, 1)
+
+
+READ = "import pickle, sys; print(*pickle.load(sys.stdin.buffer).distance(3, 7))"
+
+
+def test_points_that_are_copied_measure_distances(rng, tmp_path):
+    rig = exact_rig()
+    uv = sightings(rig, in_front(rng, 30))
+    found = rig.triangulate(uv, sigma_px=0.2, distances=True)
+    expected = found.distance(3, 7)
+    data, copied = pickle.dumps(found), copy.deepcopy(found)
+    found._gains.view(np.uint8)[:] = 0xFF  # nobody reads the first points any more
+    assert copied.distance(3, 7) == pickle.loads(data).distance(3, 7) == expected
+    command = [sys.executable, "-c", READ]
+    there = subprocess.run(command, input=data, capture_output=True, cwd=tmp_path)
+    assert there.returncode == 0
+    assert tuple(map(float, there.stdout.split())) == expected
 
 
 def test_the_calibrations_error_counts(stereo, rng):

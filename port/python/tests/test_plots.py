@@ -423,6 +423,8 @@ def test_odd_histories() -> None:
     said = texts(rigcal.plot_monitor(bodies))
     assert "36 more are not drawn" in said
     assert "3 bodies seen too little" in said
+    with pytest.raises(rigcal.Error, match="reports: several are expected, not NoneType"):
+        rigcal.plot_monitor(None)
     with pytest.raises(rigcal.Error, match="reports: a MonitorReport is expected, not int"):
         rigcal.plot_monitor([3])  # type: ignore[list-item]
     with pytest.raises(rigcal.Error, match="seconds: 60 numbers are expected"):

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import csv
+import json
 import pathlib
 import pickle
+import re
 import subprocess
 import sys
 from typing import Any
@@ -306,6 +308,40 @@ def test_a_folder(rig: rigcal.Rig, folder: pathlib.Path, tmp_path: pathlib.Path)
         rigcal.Rig.from_folder(tmp_path)
     with pytest.raises(rigcal.FileError):
         rigcal.load(tmp_path)
+
+
+DAMAGES = {
+    "empty": lambda text: "",
+    "cut off": lambda text: text[: len(text) // 2],
+    "another table": lambda text: "a,b\n1,2\n",
+    "a number that is none": lambda text: text.replace("0.", "0x"),
+}
+
+
+@pytest.mark.parametrize("damage", DAMAGES)
+@pytest.mark.parametrize(
+    "name",
+    ["rig.csv", "poses.csv", "targets.csv", "residuals.csv", "faults.csv", "summary.json"],
+)
+def test_a_damaged_file_of_a_folder_is_named(
+    folder: pathlib.Path, tmp_path: pathlib.Path, name: str, damage: str
+) -> None:
+    for path in folder.iterdir():
+        (tmp_path / path.name).write_bytes(path.read_bytes())
+    (tmp_path / name).write_text(DAMAGES[damage]((folder / name).read_text()))
+    with pytest.raises(rigcal.FileError, match=re.escape(name)):
+        rigcal.load(tmp_path)
+
+
+def test_a_summary_without_its_keys_is_named(
+    folder: pathlib.Path, tmp_path: pathlib.Path
+) -> None:
+    summary = json.loads((folder / "summary.json").read_text())
+    del summary["findings"]
+    for content, text in ((summary, "there is no findings"), (3, "this is no summary")):
+        (tmp_path / "summary.json").write_text(json.dumps(content))
+        with pytest.raises(rigcal.FileError, match=rf"summary\.json: {text}"):
+            rigcal.load(tmp_path)
 
 
 @pytest.mark.parametrize("name", ["Calib.toml", "stereo.xml", "transforms.json"])

@@ -23,6 +23,9 @@ __all__ = ["Seen", "detector"]
 
 Grey = npt.NDArray[np.uint8]
 
+# px: a picture with a shorter side shows no target. In one of two rows AprilTag's detector
+# writes beyond its memory, and OpenCV's for chessboards fails in one of twelve.
+SIDE_LEAST = 24
 WINDOW = 5  # half the window in which a corner is refined [px]
 WINDOW_PART = 0.4  # and at most this part of the way to the next corner
 REFINED = (3, 100, 1e-6)  # cv2.TermCriteria: at most 100 steps, to 1e-6 px
@@ -172,6 +175,8 @@ class ChessboardDetector:
         return corners
 
     def __call__(self, image: Grey) -> Seen:
+        if min(image.shape) < SIDE_LEAST:
+            return Seen()
         uv = self.corners(255 - image if self.board.inverted else image)
         if uv is None and self.board.inverted:
             uv = self.corners(image)
@@ -229,6 +234,8 @@ class CharucoDetector:
         self.detector = aruco.CharucoDetector(self.board, charuco, markers, refine)
 
     def __call__(self, image: Grey) -> Seen:
+        if min(image.shape) < SIDE_LEAST:
+            return Seen()
         if self.inverted:
             image = 255 - image
         corners, ids, _, markers = self.detector.detectBoard(image)
@@ -312,6 +319,8 @@ class TagDetector:
         return find
 
     def __call__(self, image: Grey) -> Seen:
+        if min(image.shape) < SIDE_LEAST:
+            return Seen()
         found = self.find(image)
         tags = [number for number, _ in found]
         seen = Seen(tags=tags, twice=repeated(tags))
@@ -331,7 +340,9 @@ class TagDetector:
 
 def detector(target: Target, options: Mapping[str, Any] | None = None) -> Any:
     """A function that takes a grey image and returns a Seen. Each thread needs its own."""
-    options = options or {}
+    options = {} if options is None else options
+    if not isinstance(options, Mapping):
+        raise Error(f"detector: options by name, not {type(options).__name__}")
     if isinstance(target, Chessboard):
         return ChessboardDetector(target, options)
     if isinstance(target, Charuco):

@@ -13,6 +13,8 @@ from typing import Any, Callable
 import numpy as np
 
 from .. import _tables
+from .._arrays import whole
+from .._threads import THREADS_MAX
 from ..errors import Error
 from ..transform import Array
 from . import mistakes
@@ -370,7 +372,8 @@ def find(
     for frame in frames:
         for name, key in frame.keys.items():
             keys[name].add(key)
-    threads = threads or min(os.cpu_count() or 1, 16)
+    threads = min(os.cpu_count() or 1, 16) if threads is None else threads
+    threads = whole(threads, "threads", 1, THREADS_MAX)
     found = _searched(cameras, keys, search, threads, tell)
     target = _with_id(target, found)
     points = target.points

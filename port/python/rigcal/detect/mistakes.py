@@ -10,7 +10,7 @@ import numpy as np
 
 from ..errors import Error
 from ..transform import Array
-from .detectors import FAMILIES, Grey, detector, grid_of, homography, quadrants
+from .detectors import FAMILIES, SIDE_LEAST, Grey, detector, grid_of, homography, quadrants
 from .pictures import opencv
 from .targets import AprilGrid, Charuco, Chessboard, Tag, Tags, Target
 
@@ -103,6 +103,7 @@ def _sizes(board: Chessboard, by: int) -> list[tuple[int, int]]:
 def size_shown(images: Sequence[Grey], board: Chessboard) -> tuple[int, int] | None:
     """The number of inner corners that an image shows, if it is close to the given one."""
     cv2 = opencv()
+    images = [image for image in images if min(image.shape) >= SIDE_LEAST]
     near = _sizes(board, NEAR)
     tried = [(image, size) for image in images[:PROBED] for size in near]
     further = [size for size in _sizes(board, FAR) if size not in near]

@@ -267,8 +267,12 @@ class Tags:
 
     def __post_init__(self) -> None:
         tags: dict[int, Array] = {}
-        for number, given in dict(self.where).items():
+        if not isinstance(self.where, Mapping):
+            raise Error(f"where: tags by number, not {type(self.where).__name__}")
+        for number, given in self.where.items():
             name = f"tag {number}"
+            if not isinstance(number, (int, np.integer)) or number < 0:
+                raise Error(f"where: a tag's number is expected, not {number!r}")
             if isinstance(given, Transform):
                 if self.size is None:
                     raise Error(f"{name}: size, the edge of a tag, is needed with its pose")

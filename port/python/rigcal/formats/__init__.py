@@ -37,7 +37,7 @@ from typing import Callable
 import numpy as np
 
 from ..camera import Camera
-from ..errors import Error, FileError
+from ..errors import Error, FileError, path_of
 from . import (
     bop,
     colmap,
@@ -183,11 +183,11 @@ def load_cameras(
 
     Raises FileError, "file: what", for whatever cannot be read.
     """
-    paths = [path] if isinstance(path, (str, os.PathLike)) else list(path)
+    is_one = isinstance(path, (str, bytes)) or not isinstance(path, Iterable)
+    paths = [path_of(p) for p in ([path] if is_one else path)]  # type: ignore[union-attr]
     if not paths:
         raise Error("path: there is no file in the list")
-    first = os.fspath(paths[0])
-    with blame(first):
+    with blame(paths[0]):
         format = None if format is None else _known(format)
         _check_options(scale, lens)
         documents = [_open(p, format) for entry in paths for p in _files(entry, format)]
@@ -322,7 +322,9 @@ def save_cameras(
     Raises FileError for what the format cannot hold; nothing is written then. A Caveat
     is warned of where a pose has no place in the format.
     """
-    target = os.fspath(path)
+    target = path_of(path)
+    if not isinstance(cameras, Iterable):
+        raise Error(f"cameras: several are expected, not {type(cameras).__name__}")
     with blame(target):
         if isinstance(cameras, Mapping):
             pairs = [(str(name), camera) for name, camera in cameras.items()]

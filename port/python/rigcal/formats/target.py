@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import Error
+from ..errors import Error, path_of
 from ..transform import Array
 from ._common import PathLike, blame, read_file, write_file
 from ._node import Node
@@ -82,6 +82,7 @@ class Target:
 
 def load_target(path: PathLike) -> Target:
     """An aprilgrid, checkerboard or circlegrid, from Kalibr's YAML."""
+    path = path_of(path)
     with blame(path):
         node = Node(parse_yaml(decode(read_file(path))))
         kind = node["target_type"].text()
@@ -101,9 +102,11 @@ def load_target(path: PathLike) -> Target:
 
 def save_target(path: PathLike, target: Target) -> None:
     """Writes Kalibr's YAML of a target."""
+    if not isinstance(target, Target):
+        raise Error(f"target: a Target is expected, not {type(target).__name__}")
     values = (target.cols, target.rows, target.size, target.spacing)
     content: dict[str, Any] = {"target_type": target.kind}
     content.update({k: v for k, v in zip(KEYS[target.kind], values) if k})
     if target.kind == "circlegrid":
         content["asymmetricGrid"] = target.is_asymmetric
-    write_file(path, dump_yaml(content))
+    write_file(path_of(path), dump_yaml(content))

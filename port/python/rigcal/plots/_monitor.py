@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -34,6 +34,8 @@ def plot_monitor(
 
     At 0, the dashed line, the alarm is raised. Returns the figure.
     """
+    if not isinstance(reports, Iterable):
+        raise Error(f"reports: several are expected, not {type(reports).__name__}")
     reports = list(reports)
     for report in reports:
         if not hasattr(report, "evidence"):

@@ -67,7 +67,8 @@ RIGCAL_API size_t rigcal_judge_work(size_t n_cameras, size_t n_placements);
  *   judged     out     n_views: the verdict on each view
  *   left_out   out     n_views: 1 where a view is left out. rig->left_out points to it
  *   choice     in/out  reads takes, n_views, sigma_px, and second_poses if there are any.
- *              A view that is left out takes none
+ *              A view that is left out takes none. A view that took none and is not left
+ *              out takes the first
  *   rig        in/out  as for rigcal_rig_adjust, with views and view_poses
  *
  * The cost of a view is how much the sum of squared errors falls without it, after its

@@ -465,8 +465,8 @@ RIGCAL_API rigcal_status rigcal_pose_step(rigcal_pose_solver *solver, int32_t bu
  *     a million fits. The correspondences, the target or the intrinsics are wrong. Without
  *     sigma_px, the noise counts as 2 px, or as 0.7 % of the image's extent if that is
  *     more. The status also applies when mirrored points (left-handed coordinates, an
- *     image with v upwards) would be a hundred times as likely. Flat and wide targets are
- *     not tested for mirroring.
+ *     image with v upwards) would be a hundred times as likely. Flat and wide targets, and
+ *     a pose found from `start`, are not tested for mirroring.
  * RIGCAL_BUDGET_SPENT: the refinement of the first pose ran out of evaluations.
  * RIGCAL_VAGUE: the data hardly fix the first pose: the standard deviation of its rotation
  *     is above 0.25 rad for noise of sigma_px. Without sigma_px, the noise is what the
@@ -644,7 +644,7 @@ RIGCAL_API rigcal_status rigcal_pose_blame(rigcal_blame *blame, rigcal_real rms_
                                            const rigcal_pose_options *options);
 
 enum rigcal_diagnosis_verdicts {
-    RIGCAL_DIAGNOSIS_CONSISTENT = 0, /* the fit is not RIGCAL_POOR_FIT */
+    RIGCAL_DIAGNOSIS_CONSISTENT = 0, /* the fit is not RIGCAL_POOR_FIT, and not MIRRORED */
     RIGCAL_DIAGNOSIS_UNITS = 1,      /* the fit is consistent, but the length of t differs
                                         from that of the previous pose by a factor between
                                         units */
@@ -659,8 +659,9 @@ enum rigcal_diagnosis_verdicts {
 typedef struct rigcal_diagnosis {
     int32_t verdict;             /* RIGCAL_DIAGNOSIS_ */
     int32_t is_handed;           /* 1: the data decide whether they are mirrored. 0: both
-                                    readings fit about equally well, as they always do for a
-                                    flat target or a distant one */
+                                    readings fit about equally well, as those of a distant
+                                    target do, and of a flat one unless the principal point
+                                    is beside the middle of the image */
     rigcal_real rms_mirrored_px; /* of the target mirrored, Z to -Z; -1: no pose */
     rigcal_real rms_flipped_px;  /* of the image flipped, v to height - 1 - v */
     rigcal_real units;           /* about the length of t found, over that of the previous

@@ -67,7 +67,8 @@ RIGCAL_API size_t rigcal_judge_work(size_t n_cameras, size_t n_placements);
  *   judged     out     n_views: the verdict on each view
  *   left_out   out     n_views: 1 where a view is left out. rig->left_out points to it
  *   choice     in/out  reads takes, n_views, sigma_px, and second_poses if there are any.
- *              A view that is left out takes none
+ *              A view that is left out takes none. A view that took none and is not left
+ *              out takes the first
  *   rig        in/out  as for rigcal_rig_adjust, with views and view_poses
  *
  * The cost of a view is how much the sum of squared errors falls without it, after its
@@ -132,22 +133,22 @@ typedef struct rigcal_symmetries {
 typedef struct rigcal_cause_solver rigcal_cause_solver; /* see rigcal_solvers.h */
 
 /* Why a view contradicts the others, after rigcal_rig_judge. The function solves the view
- * again with its points permuted. It compares the view with the placement before and the
- * one after. It takes the view for that of each camera whose view of the same placement is
- * left out. Whatever comes within 30 sigma^2 s of where the others put the placement is
- * the cause; of several, the nearest is. The function takes the camera's own pose for
- * right: if all views of a camera are left out, use rigcal_camera_cause. If two views
- * contradict each other, ask for both, because either may be the turned one. If no cause
- * is found, rigcal_pose_diagnose says whether a point is wrong, or the target's
- * coordinates are mirrored or in another unit.
+ * again with its points permuted. It solves the view as it is and compares its poses with
+ * the placement before and the one after. It takes the view for that of each camera whose
+ * view of the same placement is left out. Whatever comes within 30 sigma^2 s of where the
+ * others put the placement is the cause; of several, the nearest is. The function takes the
+ * camera's own pose for right: if all views of a camera are left out, use
+ * rigcal_camera_cause. If two views contradict each other, ask for both, because either may
+ * be the turned one. If no cause is found, rigcal_pose_diagnose says whether a point is
+ * wrong, or the target's coordinates are mirrored or in another unit.
  *
  *   judgement    in  reads sigma_px and scale; set scale to 1 if it is not known
  *   symmetries   in  NULL: none
  *
  * OK; ERR_NULL, ERR_NOT_FINITE, ERR_ROTATION, ERR_RANGE (also: a permutation has a point
  * twice, or a number of no point), ERR_TOO_FEW (also: n_points), ERR_UNSORTED, ERR_CAMERA,
- * ERR_DEGENERATE, and what a source returns. It solves one pose for each permutation and
- * for each camera that it tries. */
+ * ERR_DEGENERATE, and what a source returns. It solves the view once as it is, and once for
+ * each permutation and for each camera that it tries. */
 RIGCAL_API rigcal_status rigcal_rig_cause(rigcal_cause *cause, const rigcal_rig *rig,
                                           const rigcal_judgement *judgement,
                                           const rigcal_symmetries *symmetries, size_t view);
@@ -166,8 +167,9 @@ RIGCAL_API rigcal_status rigcal_camera_cause(rigcal_cause *cause, const rigcal_r
                                              const rigcal_symmetries *symmetries,
                                              size_t camera);
 
-/* Either function in steps. A unit is one of rigcal_pose_step; one comparison,
- * O(n_cameras); or the comparison of one view of a camera with its others, O(m n_cameras).
+/* Either function in steps. A unit is one of rigcal_pose_step; the comparison of a
+ * view with one placement or two, O(n_cameras); or that of one view of a camera with its
+ * others, O(m n_cameras).
  * The budgets do not change one bit of the result. All that is handed in must last. */
 RIGCAL_API rigcal_status rigcal_cause_begin(rigcal_cause_solver *solver,
                                             const rigcal_rig *rig,

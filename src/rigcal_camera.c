@@ -109,13 +109,15 @@ RC_APART_FAST static rigcal_status fisheye_ray(rigcal_real ray[3], const rigcal_
     return RIGCAL_OK;
 }
 
-/* How far a ray's projection may be from its pixel, at focal length 1. */
+/* How far a ray's projection may be from its pixel, at focal length 1. A ray that is found
+ * is as good as rounding allows, so the smaller focal length serves: if the other is much
+ * larger, rounding alone is more than a part of a pixel. */
 RC_APART_FAST static rigcal_real tolerance_at(const rigcal_camera *c,
                                               const rigcal_real uv[2])
 {
     const rigcal_real pixels[3] = {uv[0], uv[1], c->cx};
     const rigcal_real largest = rc_max(rc_vec3_max_abs(pixels), RC_FABS(c->cy));
-    return (MISS_MAX_PX + MISS_ROUNDING * largest) / rc_max(c->fx, c->fy);
+    return (MISS_MAX_PX + MISS_ROUNDING * largest) / rc_min(c->fx, c->fy);
 }
 
 rigcal_status rc_pixel_to_ray(rigcal_real ray[3], const rigcal_camera *camera,

@@ -108,7 +108,8 @@ static void note(rigcal_cause_solver *s, rigcal_real apart, int32_t cause, int32
     if (!(part <= 1)) {
         return;
     }
-    if (cause == RIGCAL_CAUSE_SHIFTED && found->cause == RIGCAL_CAUSE_SHIFTED) {
+    if (cause == RIGCAL_CAUSE_SHIFTED && found->cause == RIGCAL_CAUSE_SHIFTED &&
+        found->shift != number) {
         found->is_still = 1; /* the placements before and after fit alike */
     }
     if (found->cause == RIGCAL_CAUSE_UNKNOWN || part < found->distance) {
@@ -147,19 +148,6 @@ static void begin_solving(rigcal_cause_solver *s)
     }
 }
 
-static void test_shift(rigcal_cause_solver *s, int32_t shift)
-{
-    rc_claim here, there;
-    const rigcal_view_pose *const own = &s->own;
-    const rigcal_status status =
-        place_by_others(&there, s, own->placement + shift, own->camera, -1);
-    if (status != RIGCAL_OK) {
-        end(s, status);
-    } else if (there.view >= 0 && place_by(&here, s, own, (size_t)own->camera)) {
-        note(s, rc_claims_apart(&here, &there), RIGCAL_CAUSE_SHIFTED, shift);
-    }
-}
-
 /* Tests the view with the lens of the camera of view v, if v is another view of the
  * placement and is left out too. */
 static void test_swap(rigcal_cause_solver *s, size_t v)
@@ -190,53 +178,69 @@ static size_t n_permutations(const rigcal_cause_solver *s)
     return (s->symmetries == NULL) ? 0 : s->symmetries->n_permutations;
 }
 
-/* Begins the next test of a view. */
+/* Begins the next test of a view: the permutations, then as it is, then other lenses. */
 static void test_view(rigcal_cause_solver *s)
 {
     const size_t n = n_permutations(s), test = s->test++;
-    if (test < n) {
+    if (test <= n) {
         const rigcal_status status = rc_rig_view_at(&s->seen, s->rig, s->view);
         s->acting = s->own.camera;
         if (status != RIGCAL_OK) {
             end(s, status);
-        } else if (permute(s, test)) {
+        } else if (test == n || permute(s, test)) {
             begin_solving(s);
         }
-    } else if (test < n + 2) {
-        test_shift(s, (test == n) ? -1 : 1);
-    } else if (s->first + (test - n - 2) < s->last) {
-        test_swap(s, s->first + (test - n - 2));
+    } else if (s->first + (test - n - 1) < s->last) {
+        test_swap(s, s->first + (test - n - 1));
     } else {
         end(s, RIGCAL_OK);
     }
 }
 
-/* Compares the poses of the tested view with the placement as the other views have it. */
-static void compare_view(rigcal_cause_solver *s)
+/* Compares the poses of the tested view with a placement as the other views have it. */
+static rigcal_status compare_with(rigcal_cause_solver *s, int32_t placement,
+                                  const rigcal_pose poses[], size_t found, int32_t cause,
+                                  int32_t number)
 {
-    const size_t n = n_permutations(s), test = s->test - 1;
-    rigcal_pose poses[2];
     rc_claim here, there;
-    size_t found = 0;
-    s->phase = TESTING;
     const rigcal_status status =
-        place_by_others(&there, s, s->own.placement, s->own.camera, s->acting);
-    if (status != RIGCAL_OK) {
-        end(s, status);
-        return;
-    }
-    if (rigcal_pose_result(poses, 2, &found, NULL, &s->pose) < 0 || there.view < 0) {
-        return;
-    }
-    for (size_t i = 0; i < found; i++) {
+        place_by_others(&there, s, placement, s->own.camera, s->acting);
+    for (size_t i = 0; status == RIGCAL_OK && there.view >= 0 && i < found; i++) {
         rigcal_view_pose own;
         if (rigcal_view_pose_make(&own, &s->seen, &poses[i].cam_from_world) == RIGCAL_OK) {
             (void)place_by(&here, s, &own, (size_t)s->acting); /* it can be inverted */
-            const rigcal_real apart =
-                rc_claims_apart(&here, &there) + poses[i].sse - poses[0].sse;
-            note(s, apart, (test < n) ? RIGCAL_CAUSE_TURNED : RIGCAL_CAUSE_SWAPPED,
-                 (test < n) ? (int32_t)test : s->acting);
+            note(s, rc_claims_apart(&here, &there) + poses[i].sse - poses[0].sse, cause,
+                 number);
         }
+    }
+    return status;
+}
+
+/* A view as it is is compared with the placements before and after, any other with its
+ * own placement. */
+static void compare_view(rigcal_cause_solver *s)
+{
+    const size_t n = n_permutations(s), test = s->test - 1;
+    const int32_t f = s->own.placement;
+    rigcal_pose poses[2];
+    size_t found = 0;
+    rigcal_status status = RIGCAL_OK;
+    s->phase = TESTING;
+    if (rigcal_pose_result(poses, 2, &found, NULL, &s->pose) < 0) {
+        return;
+    }
+    if (test < n) {
+        status = compare_with(s, f, poses, found, RIGCAL_CAUSE_TURNED, (int32_t)test);
+    } else if (test > n) {
+        status = compare_with(s, f, poses, found, RIGCAL_CAUSE_SWAPPED, s->acting);
+    } else {
+        status = compare_with(s, f - 1, poses, found, RIGCAL_CAUSE_SHIFTED, -1);
+        if (status == RIGCAL_OK) {
+            status = compare_with(s, f + 1, poses, found, RIGCAL_CAUSE_SHIFTED, 1);
+        }
+    }
+    if (status != RIGCAL_OK) {
+        end(s, status);
     }
 }
 

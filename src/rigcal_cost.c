@@ -219,18 +219,27 @@ static rigcal_status distance_of(rigcal_real *least, const rigcal_judge_solver *
     return status;
 }
 
-static rigcal_status judge_left_out(rigcal_judge_solver *s, const rc_rig_parts *parts)
+/* The distance takes errors for linear. So the cost is at most what the view's own sum,
+ * `least_sum` at its pose, rises by where the kept views put the placement. */
+static rigcal_status judge_left_out(rigcal_judge_solver *s, const rc_rig_parts *parts,
+                                    rigcal_real least_sum)
 {
     rigcal_judged_view *const judged = &s->judged[s->view];
     rigcal_real sum, g[6], H[21], least;
     rc_chain chain;
-    const rigcal_status status = distance_of(&least, s, parts);
+    rigcal_status status = distance_of(&least, s, parts);
     if (status != RIGCAL_OK) {
         return status;
     }
     judged->cost = least / s->sigma2 * (RC_COST_LIMIT / RC_CHOOSE_LIMIT);
     judged->rms_px = -1;
-    return (s->n_kept > 0) ? evaluate(&sum, g, H, &chain, s) : RIGCAL_OK;
+    if (s->n_kept > 0) {
+        status = evaluate(&sum, g, H, &chain, s);
+        if (judged->rms_px >= 0) {
+            judged->cost = rc_min(judged->cost, (sum - least_sum) / s->sigma2);
+        }
+    }
+    return status;
 }
 
 static void end_placement(rigcal_judge_solver *s, const rc_rig_parts *parts)
@@ -249,7 +258,7 @@ void rc_judge_cost(rigcal_judge_solver *s, const rc_rig_parts *parts)
     rigcal_view_pose own;
     rigcal_status status = rc_rig_pose_at(&own, s->rig, s->view);
     if (status == RIGCAL_OK && s->left_out[s->view] != 0) {
-        status = judge_left_out(s, parts);
+        status = judge_left_out(s, parts, own.sse);
     } else if (status == RIGCAL_OK) {
         const rigcal_real cost = cost_of(s, parts, s->slot++);
         s->judged[s->view].cost = -1;

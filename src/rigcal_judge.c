@@ -134,6 +134,23 @@ static void adjust_without(rigcal_judge_solver *s, const rc_rig_parts *parts, ui
     }
 }
 
+/* Takes back the views that were left out because their claims disagree, if their points
+ * fit. Returns their number. */
+static size_t take_back(rigcal_judge_solver *s)
+{
+    size_t n = 0;
+    for (size_t v = 0; v < s->rig->n_views; v++) {
+        const rigcal_judged_view *const judged = &s->judged[v];
+        if (s->choice->takes[v] == RIGCAL_TAKES_NONE && judged->rms_px >= 0 &&
+            judged->cost <= RC_COST_LIMIT * s->scale) {
+            s->choice->takes[v] = RIGCAL_TAKES_FIRST;
+            s->left_out[v] = 0;
+            n++;
+        }
+    }
+    return n;
+}
+
 /* Leaves out the worst view of each placement if its cost is above the limit. If no view is
  * left out, the worst of all is left out as a trial. So no view raises its own limit. */
 static void name_worst(rigcal_judge_solver *s, const rc_rig_parts *parts)
@@ -160,6 +177,7 @@ static void name_worst(rigcal_judge_solver *s, const rc_rig_parts *parts)
         }
         first = end_of;
     }
+    n += (s->rounds == 1) ? take_back(s) : 0;
     const int is_trial = n == 0 && highest > RC_COST_LIMIT;
     s->tried_cost = is_trial ? highest : 0;
     if (is_trial) {

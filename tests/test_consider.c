@@ -408,8 +408,8 @@ static void make_wrong_points(test_rng *rng)
     }
 }
 
-/* The adjustment must leave out n_wrong points, and no other. Huber's loss moves the rig from
- * the optimum of the truncated one, so only this is adjusted again. */
+/* The adjustment must leave out n_wrong points, and no other. Huber's loss moves the rig
+ * from the optimum of the truncated one, so only this is adjusted again. */
 static void adjust_robust(size_t n_wrong)
 {
     static rigcal_rig_solver solver;

@@ -138,7 +138,8 @@ RIGCAL_API size_t rigcal_estimate_work(size_t n_free, size_t n_cameras);
  * as long as covariances are asked for. A parameter whose deviation is 0 does not move,
  * and its deviation stays 0. With considered.is_truncated wrong points do not count. In
  * float the deviations are accurate to some 5 %. Two passes over the views, in one call:
- * O(n) + O(n_views n_cameras^2) + O(n_cameras^3). OK; ERR_NOT_FINITE, ERR_RANGE (sigma_px; a number of `made` beyond 1e9), ERR_STATE (also:
+ * O(n) + O(n_views n_cameras^2) + O(n_cameras^3). OK; ERR_NOT_FINITE, ERR_RANGE (sigma_px;
+ * a number of `made` beyond 1e9; is_truncated without rig->sigma_px), ERR_STATE (also:
  * the rig has clocks), and those of rigcal_rig_consider. After an error rig->considered is
  * NULL, and nothing is written to `change` and `sigma`. *at_fault: as in
  * rigcal_rig_consider. */

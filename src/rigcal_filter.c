@@ -651,6 +651,10 @@ void rc_filter_come(const rc_filter *f, rigcal_real P[], size_t body, size_t oth
     rc_filter_through(own, by, across, by);
     add_block(P, first, first, own, 6);
     add_block(P, first, first, Q, 6);
+    const int32_t from = rc_filter_first(f, other);
+    for (size_t i = 0; i < 6 && from >= 0; i++) {
+        f->d[first + i] = rc_vec6_dot(&by[6 * i], &f->d[from]);
+    }
     for (size_t b = 0; b < f->n_bodies; b++) {
         const int32_t at = rc_filter_first(f, b);
         if (b == body || at < 0) {

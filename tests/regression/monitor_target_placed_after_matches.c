@@ -1,7 +1,7 @@
-/* A target that got its place after the matches of a frame stood by the pose that its camera
- * had before them. At the end of the frame the camera moved by what the matches said, and
- * the target did not. The next views then contradicted this: the rig was wrong by many
- * sigma, and there were alarms without a move. */
+/* A target that got its place after the matches of a frame stood by the pose that its
+ * camera had before them. At the end of the frame the camera moved by what the matches
+ * said, and the target did not. The next views then contradicted this: the rig was wrong by
+ * many sigma, and there were alarms without a move. */
 #include <math.h>
 
 #include "test_fit.h"

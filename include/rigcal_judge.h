@@ -36,12 +36,13 @@ enum rigcal_view_verdicts {
 typedef struct rigcal_judged_view {
     int32_t verdict;    /* RIGCAL_VIEW_ */
     rigcal_real cost;   /* how much the sum of squared errors falls without the view, after
-                           its placement settles again; divided by the limit. Above 1 the
-                           view is left out. 0: it is unchecked */
-    rigcal_real rms_px; /* root mean square reprojection error, sigma_i included, if the
-                           placement is where the other views put it. -1: a point would be
-                           behind the camera or beyond its lens, or there are no other
-                           views */
+                           its placement settles again, less the view's own sum at its pose
+                           by itself; divided by the limit. Above 1 the view is left out. 0:
+                           it is unchecked */
+    rigcal_real rms_px; /* root mean square reprojection error in the rig, sigma_i included.
+                           If the view is left out, the placement is where the other views
+                           put it. -1: a point would be behind the camera or beyond its
+                           lens, or there are no other views */
 } rigcal_judged_view;
 
 typedef struct rigcal_judgement {
@@ -71,11 +72,16 @@ RIGCAL_API size_t rigcal_judge_work(size_t n_cameras, size_t n_placements);
  *              out takes the first
  *   rig        in/out  as for rigcal_rig_adjust, with views and view_poses
  *
+ * All views are judged anew, and all need their poses: what rig->left_out says before is
+ * not read. Hand in only views that may count.
+ *
  * The cost of a view is how much the sum of squared errors falls without it, after its
- * placement settles again. The limit is 40 sigma^2 s. The scale s comes from the median
- * cost of all views, which shows by how much more than noise they differ; it is 1 where
- * there is only noise. The limit is right while fewer than half of the views are wrong. If
- * just two views of a placement contradict each other, both are left out.
+ * placement settles again, less the view's own sum at its pose by itself. The limit is 40
+ * sigma^2 s. The scale s comes from the median cost of all views, which shows by how much
+ * more than noise they differ; it is 1 where there is only noise. The limit is right while
+ * fewer than half of the views are wrong. Of right views of three points about one in a
+ * hundred is left out too: its pose by itself is far from linear. If just two views of a
+ * placement contradict each other, both are left out.
  *
  * RIGCAL_VIEWS_LEFT_OUT: some views were left out. OK, and those of rigcal_rig_adjust and
  * rigcal_rig_choose, except ERR_CONTRADICTION; ERR_RANGE (also: sigma_px is 0, or a view

@@ -22,6 +22,12 @@
  * an alarm is followed instead. Do not choose matches by the calibration that is under
  * test: search a band of several pixels about the line, or track points.
  *
+ * A move or a walk of a camera is a turn about the origin of the rig, and a shift. So let
+ * the origin be near the cameras, for example in one of them. A camera that turns about its
+ * own centre, far from the origin, is shifted by many times move_t. With the origin at 12
+ * times the distance between neighbours, half of the poses after an answer were outside
+ * their 95 % ellipsoid; at 4 times, as few as should be.
+ *
  * EQUATIONS.md MONITOR has the mathematics. */
 #ifndef RIGCAL_H
 #include "rigcal.h" /* rigcal.h includes this header too */

@@ -188,8 +188,7 @@ struct rigcal_rig_solver {
 /* ---- parameters beside cameras and placements -------------------------------- */
 
 typedef struct rigcal_border {
-    size_t n;              /* unknowns of the cameras */
-    size_t k;              /* columns: the parameters */
+    size_t n, k;           /* unknowns of the cameras; columns: the parameters */
     rigcal_real *T;        /* k rows of n: the part shared with the cameras, or NULL */
     rigcal_real *Z;        /* k rows of 6: B^T E of a placement; eliminated, Y */
     rigcal_real *q;        /* k; NULL: neither q nor Q is wanted */
@@ -208,6 +207,7 @@ struct rigcal_consider_solver {
     rigcal_considered *considered;
     int32_t phase, status, at_fault;
     size_t view, first, placement, column; /* under way */
+    rigcal_real limit2; /* px^2: limit of the squared error over sigma_i^2; 0: none */
     rigcal_border border;
 };
 

@@ -6,6 +6,14 @@
 #include "rc_chain.h"
 #include "rc_points.h"
 
+/* ---- constants ----------------------------------------------------------- */
+
+/* sigma: by the truncated loss a larger error counts as much as one of this size. So the
+ * point is left out. */
+#define RC_TRUNCATED_FROM RC(4)
+
+/* ---- functions ----------------------------------------------------------- */
+
 /* What an adjustment needs of the clocks of a rig. Only rigcal_clocks_defaults sets these
  * pointers, so a program without clocks does not link the functions. */
 struct rigcal_clock_calls {

@@ -67,11 +67,18 @@ static void add_row(rigcal_real E[RC_INTRINSICS][6], const rigcal_real q[3],
     }
 }
 
+/* px^2: limit of the squared error over sigma_i^2. 0: all points count. */
+static rigcal_real limit2_of(const rigcal_considered *considered, const rigcal_rig *rig)
+{
+    const rigcal_real limit = RC_TRUNCATED_FROM * rig->sigma_px;
+    return (considered->is_truncated != 0) ? limit * limit : 0;
+}
+
 /* A view at cam_from_target: H = J^T J, and E = J^T D of each of the intrinsics, not yet
  * times its deviation. */
 static rigcal_status add_points(rigcal_real H[21], rigcal_real E[RC_INTRINSICS][6],
                                 const rigcal_points *points,
-                                const rigcal_transform *cam_from_target)
+                                const rigcal_transform *cam_from_target, rigcal_real limit2)
 {
     static const rigcal_real NO_ERROR[2] = {0, 0};
     const rigcal_camera *const camera = points->view.camera;
@@ -81,6 +88,9 @@ static rigcal_status add_points(rigcal_real H[21], rigcal_real E[RC_INTRINSICS][
     for (size_t i = 0; i < points->view.n; i++) {
         rigcal_real x[2], uv[2], B[6], q[3], X_c[3], D[2 * RC_INTRINSICS];
         const rigcal_real weight = rc_points_weight(points, i);
+        if (limit2 > 0 && !(rc_points_error2(points, cam_from_target, i) <= limit2)) {
+            continue;
+        }
         rc_points_place(q, X_c, points, cam_from_target, i);
         const rigcal_status status = rc_project_by(x, uv, B, camera, X_c);
         if (status != RIGCAL_OK) {
@@ -114,25 +124,19 @@ static void weigh(rigcal_real H[21], rigcal_real E[RC_INTRINSICS][6],
     }
 }
 
-/* Evaluates view `index` of this placement, with the poses and clocks as they are. m is its
- * (w, dt) a second, 0 if there are no clocks. */
-static rigcal_status evaluate(rigcal_rig_view *v, rc_chain *chain, rigcal_real m[6],
-                              rigcal_real H[21], rigcal_real E[RC_INTRINSICS][6],
-                              const rigcal_rig *rig, size_t index, size_t placement)
+/* Evaluates view `index`, with the poses and clocks as they are. m is its (w, dt) a second,
+ * 0 if there are no clocks. */
+static rigcal_status evaluate(rc_chain *chain, rigcal_real m[6], rigcal_real H[21],
+                              rigcal_real E[RC_INTRINSICS][6], const rigcal_rig_view *v,
+                              const rigcal_rig *rig, size_t index, rigcal_real limit2)
 {
     rigcal_points points;
-    rigcal_status status = rc_rig_view_at(v, rig, index);
-    if (status == RIGCAL_OK && (size_t)v->placement != placement) {
-        status = RIGCAL_ERR_RANGE;
-    }
-    if (status == RIGCAL_OK) {
-        status = rc_rig_points(&points, v);
-    }
+    rigcal_status status = rc_rig_points(&points, v);
     if (status != RIGCAL_OK) {
         return status;
     }
-    rc_rig_chain(chain, rig, v->camera, placement, index);
-    status = add_points(H, E, &points, &chain->cam_from_target);
+    rc_rig_chain(chain, rig, v->camera, (size_t)v->placement, index);
+    status = add_points(H, E, &points, &chain->cam_from_target, limit2);
     rc_clear(m, 6);
     if (rig->clocks != NULL) {
         rc_motion_seen(m, chain, rig->clocks->memory.velocity);
@@ -214,7 +218,7 @@ static void eliminate_clocks(rc_border *b, const rigcal_rig *rig)
 
 /* Adds a view to the current placement, unless it is left out. */
 static rigcal_status add_view(rc_border *b, const rigcal_rig *rig, size_t index,
-                              size_t placement)
+                              size_t placement, rigcal_real limit2)
 {
     rigcal_rig_view v;
     rigcal_real g[6] = {0, 0, 0, 0, 0, 0}, m[6], H[21], by_view[21];
@@ -227,7 +231,13 @@ static rigcal_status add_view(rc_border *b, const rigcal_rig *rig, size_t index,
     if (b->count >= rig->n_cameras) {
         return RIGCAL_ERR_STATE;
     }
-    const rigcal_status status = evaluate(&v, &chain, m, H, E, rig, index, placement);
+    rigcal_status status = rc_rig_view_at(&v, rig, index);
+    if (status == RIGCAL_OK && (size_t)v.placement != placement) {
+        status = RIGCAL_ERR_RANGE;
+    }
+    if (status == RIGCAL_OK) {
+        status = evaluate(&chain, m, H, E, &v, rig, index, limit2);
+    }
     if (status != RIGCAL_OK) {
         return status;
     }
@@ -329,9 +339,10 @@ static void considered_joint(rigcal_real S[], const rigcal_rig *rig)
 static rigcal_status add_views(rc_border *b, const rigcal_rig *rig, size_t first,
                                size_t count, size_t placement)
 {
+    const rigcal_real limit2 = limit2_of(rig->considered, rig);
     rigcal_status status = RIGCAL_OK;
     for (size_t i = first; i < first + count && status == RIGCAL_OK; i++) {
-        status = add_view(b, rig, i, placement);
+        status = add_view(b, rig, i, placement, limit2);
     }
     return status;
 }
@@ -407,7 +418,8 @@ static void begin_placement(rigcal_consider_solver *s)
 static void adding_step(rigcal_consider_solver *s)
 {
     rc_rig_parts parts;
-    const rigcal_status status = add_view(&s->border, s->rig, s->view, s->placement);
+    const rigcal_status status =
+        add_view(&s->border, s->rig, s->view, s->placement, s->limit2);
     if (status != RIGCAL_OK) {
         end(s, status, (int32_t)s->view);
         return;
@@ -498,6 +510,11 @@ static rigcal_status check(size_t *n, const rigcal_considered *considered, rigca
     if (status == RIGCAL_OK) {
         status = check_deviations(rig);
     }
+    if (status == RIGCAL_OK &&
+        (considered->is_truncated < 0 || considered->is_truncated > 1 ||
+         (considered->is_truncated > 0 && !(rig->sigma_px > 0)))) {
+        status = RIGCAL_ERR_RANGE;
+    }
     if (status != RIGCAL_OK) {
         return status;
     }
@@ -531,6 +548,7 @@ rigcal_status rigcal_consider_begin(rigcal_consider_solver *solver,
     solver->rig = rig;
     solver->considered = considered;
     solver->at_fault = -1;
+    solver->limit2 = limit2_of(considered, rig);
     rc_border *const b = &solver->border;
     b->n = n;
     b->k = columns_before(rig, rig->n_cameras);

@@ -100,7 +100,9 @@ static void add_point(const rc_border *b, size_t column,
     }
 }
 
-static rigcal_status add_view(const rc_border *b, const rigcal_rig *rig, size_t index)
+/* Points whose squared error over sigma_i^2 is above limit2 do not count; 0: all count. */
+static rigcal_status add_view(const rc_border *b, const rigcal_rig *rig, size_t index,
+                              rigcal_real limit2)
 {
     rigcal_rig_view v;
     rigcal_points points;
@@ -118,6 +120,10 @@ static rigcal_status add_view(const rc_border *b, const rigcal_rig *rig, size_t 
     for (size_t i = 0; i < v.view.n && status == RIGCAL_OK; i++) {
         rigcal_real x[2], uv[2], B[6], q[3], X_c[3], D[2 * RC_INTRINSICS];
         const rigcal_real *const seen = v.view.observations[i].uv;
+        if (limit2 > 0 &&
+            !(rc_points_error2(&points, &chain.cam_from_target, i) <= limit2)) {
+            continue;
+        }
         rc_points_place(q, X_c, &points, &chain.cam_from_target, i);
         status = rc_project_by(x, uv, B, v.view.camera, X_c);
         if (status == RIGCAL_OK) {
@@ -295,7 +301,7 @@ static rigcal_status estimate(rigcal_estimated *out, int32_t *at_fault, rigcal_r
     rc_clear(b->Q, rc_border_size(b));
     for (size_t i = 0; i < rig->n_views; i++) {
         if (!rc_rig_is_left_out(rig, i)) {
-            status = add_view(b, rig, i);
+            status = add_view(b, rig, i, s.limit2);
         }
         if (status != RIGCAL_OK) {
             *at_fault = (int32_t)i;

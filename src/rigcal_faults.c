@@ -2,11 +2,6 @@
 #include "rc_columns.h"
 #include "rc_moved.h"
 
-/* ---- constants ----------------------------------------------------------- */
-
-/* sigma: the truncated loss left out points whose error is larger. */
-#define TRUNCATED_FROM RC(4)
-
 enum {
     DONE = 1,
     COUNTING,    /* counts the views of each camera, finds how far the points reach */
@@ -212,7 +207,7 @@ static void counting_step(rigcal_faults_solver *s)
 
 static void scan_of(rc_scan *scan, const rigcal_faults_solver *s, int32_t camera)
 {
-    const rigcal_real limit = TRUNCATED_FROM * s->rig->sigma_px;
+    const rigcal_real limit = RC_TRUNCATED_FROM * s->rig->sigma_px;
     for (int k = 0; k < 2; k++) {
         scan->middle[k] = s->low[k] + (s->high[k] - s->low[k]) / 2;
         const rigcal_real half = (s->high[k] - s->low[k]) / 2;

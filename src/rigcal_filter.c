@@ -577,10 +577,8 @@ static void turn_of(rigcal_real out[36], const rc_filter *f, size_t body)
     rigcal_real R[9];
     rc_mat3_mul_t(R, f->poses[body].R, f->poses[f->frame].R);
     rc_clear(out, 36);
-    for (int i = 0; i < 3; i++) {
-        for (int j = 0; j < 3; j++) {
-            out[6 * i + j] = out[6 * (i + 3) + j + 3] = R[3 * i + j];
-        }
+    for (int k = 0; k < 9; k++) {
+        out[6 * (k / 3) + k % 3] = out[6 * (k / 3 + 3) + k % 3 + 3] = R[k];
     }
 }
 
@@ -651,6 +649,10 @@ void rc_filter_come(const rc_filter *f, rigcal_real P[], size_t body, size_t oth
     rc_filter_through(own, by, across, by);
     add_block(P, first, first, own, 6);
     add_block(P, first, first, Q, 6);
+    const int32_t from = rc_filter_first(f, other);
+    for (size_t i = 0; i < 6 && from >= 0; i++) {
+        f->d[first + i] = rc_vec6_dot(&by[6 * i], &f->d[from]);
+    }
     for (size_t b = 0; b < f->n_bodies; b++) {
         const int32_t at = rc_filter_first(f, b);
         if (b == body || at < 0) {
@@ -659,12 +661,10 @@ void rc_filter_come(const rc_filter *f, rigcal_real P[], size_t body, size_t oth
         block_of(across, f, P, other, b);
         rc_clear(new_across, 36);
         rc_mat6_add_product(new_across, by, across, 0);
-        for (size_t i = 0; i < 6; i++) {
-            for (size_t j = 0; j < 6; j++) {
-                const size_t row = first + i, column = (size_t)at + j;
-                P[row > column ? rc_packed_at(row, column) : rc_packed_at(column, row)] =
-                    new_across[6 * i + j];
-            }
+        for (size_t k = 0; k < 36; k++) {
+            const size_t row = first + k / 6, column = (size_t)at + k % 6;
+            P[row > column ? rc_packed_at(row, column) : rc_packed_at(column, row)] =
+                new_across[k];
         }
     }
 }

@@ -5,16 +5,13 @@
 /* sigma: Huber's loss is linear for larger errors. */
 #define HUBER_FROM RC(2)
 
-/* sigma: a larger error counts as much as one of this size. */
-#define TRUNCATED_FROM RC(4)
-
 /* ---- views by a loss of their points ------------------------------------- */
 
 /* The loss of a squared error, which is divided by sigma^2. *weight is its weight in least
  * squares. */
 static rigcal_real loss_of(rigcal_real *weight, rigcal_real error2, int32_t loss)
 {
-    const rigcal_real from = (loss == RIGCAL_LOSS_HUBER) ? HUBER_FROM : TRUNCATED_FROM;
+    const rigcal_real from = (loss == RIGCAL_LOSS_HUBER) ? HUBER_FROM : RC_TRUNCATED_FROM;
     *weight = 1;
     if (error2 <= from * from) {
         return error2;
@@ -91,7 +88,7 @@ static size_t count_wrong(const rigcal_rig *rig, const rigcal_rig_view *v, size_
     rigcal_points points;
     rc_chain chain;
     size_t n = 0;
-    const rigcal_real limit = TRUNCATED_FROM * rig->sigma_px;
+    const rigcal_real limit = RC_TRUNCATED_FROM * rig->sigma_px;
     rc_rig_chain(&chain, rig, v->camera, (size_t)v->placement, view);
     rc_rig_points_of(&points, v);
     for (size_t i = 0; i < v->view.n; i++) {
@@ -127,7 +124,7 @@ rigcal_status rigcal_rig_robust_result(rigcal_rig_fit *fit, size_t *n_wrong,
         }
     }
     const rigcal_real lost = 2 * (rigcal_real)(int32_t)n;
-    const rigcal_real limit = TRUNCATED_FROM * rig->sigma_px;
+    const rigcal_real limit = RC_TRUNCATED_FROM * rig->sigma_px;
     if (solver->loss == RIGCAL_LOSS_TRUNCATED) {
         found.sum = rc_max(0, found.sum - lost / 2 * limit * limit);
         found.freedom = rc_max(0, found.freedom - lost);

@@ -23,7 +23,7 @@ static test_rig r;
 static rigcal_intrinsics_sigma sigmas[CAMERAS];
 static rigcal_real effects[WORK], spreads[RIG_POINTS_MAX];
 static rigcal_considered considered;
-static uint8_t left_out[RIG_VIEWS_MAX];
+static uint8_t left_out[RIG_VIEWS_MAX], is_wrong[RIG_VIEWS_MAX][RIG_POINTS_MAX];
 
 #define WANTS TEST_WANTS_RAM(sizeof(test_rig) + 65536)
 
@@ -69,6 +69,7 @@ static void make(uint64_t seed)
         r.views[v].view.sigma = spreads;
     }
     memset(left_out, 0, sizeof left_out);
+    memset(is_wrong, 0, sizeof is_wrong);
     left_out[9] = 1;
     r.rig.left_out = left_out;
     set_sigmas(&rng);
@@ -201,7 +202,9 @@ static void solve_dense(int fixed)
     memset(M, 0, sizeof M);
     for (size_t v = 0; v < r.rig.n_views; v++) {
         for (int i = 0; i < r.n_points && !left_out[v]; i++) {
-            add_point(&r.views[v], i, fixed);
+            if (!is_wrong[v][i]) {
+                add_point(&r.views[v], i, fixed);
+            }
         }
     }
     for (int a = 0; a < 6 * fixed; a++) {
@@ -373,6 +376,127 @@ static void test_a_prior_holds_against_intrinsics(void)
 }
 
 /* ---- against the adjustment itself -------------------------------------------------- */
+
+static void assert_refused(rigcal_status expected)
+{
+    const rigcal_considered before = considered;
+    int32_t at_fault = -2;
+
+    ASSERT_STATUS(expected, rigcal_rig_consider(&considered, &at_fault, &r.rig));
+    TEST_ASSERT_EQUAL_MEMORY(&before, &considered, sizeof before);
+    TEST_ASSERT_EQUAL_INT32(-1, at_fault);
+}
+
+/* Moves some pixels by some 30 to 40 sigma. The noise that make() adds has at most the
+ * deviation that is stated here. */
+static void make_wrong_points(test_rng *rng)
+{
+    r.rig.sigma_px = RC(0.6);
+    for (size_t v = 0; v < r.rig.n_views; v++) {
+        rigcal_observation *const seen = r.o[v < 6 ? v : v + 1];
+        const int i = (int)(5 * v % 12);
+
+        if (v % 3 != 1) {
+            is_wrong[v][i] = 1;
+            for (int k = 0; k < 2; k++) {
+                const double by = 0.3 * D(spreads[i]) * uniform(rng, 60, 80);
+
+                seen[i].uv[k] =
+                    RC(D(seen[i].uv[k]) + (test_uniform(rng, 0, 1) < 0.5 ? -by : by));
+            }
+        }
+    }
+}
+
+/* The adjustment must leave out n_wrong points, and no other. Huber's loss moves the rig
+ * from the optimum of the truncated one, so only this is adjusted again. */
+static void adjust_robust(size_t n_wrong)
+{
+    static rigcal_rig_solver solver;
+    rigcal_rig_fit fit;
+    size_t n = 0;
+
+    ASSERT_STATUS(RIGCAL_OK, rigcal_rig_adjust_robust(&fit, &n, NULL, &r.rig));
+    for (int i = 0; i < 2; i++) {
+        TEST_ASSERT_EQUAL_size_t(n_wrong, n);
+        ASSERT_STATUS(RIGCAL_OK,
+                      rigcal_rig_robust_begin(&solver, &r.rig, RIGCAL_LOSS_TRUNCATED));
+        while (rigcal_rig_step(&solver, 1000) == RIGCAL_RUNNING) {
+        }
+        ASSERT_STATUS(RIGCAL_OK, rigcal_rig_robust_result(&fit, &n, NULL, &solver));
+    }
+    TEST_ASSERT_EQUAL_size_t(n_wrong, n);
+}
+
+static size_t count_wrong(void)
+{
+    size_t n = 0;
+
+    for (size_t v = 0; v < r.rig.n_views; v++) {
+        for (int i = 0; i < r.n_points; i++) {
+            n += is_wrong[v][i] && !left_out[v];
+        }
+    }
+    return n;
+}
+
+static void test_points_that_a_robust_adjustment_left_out_do_not_count(void)
+{
+    double expected[36];
+    rigcal_real Sigma[36];
+    test_rng rng = test_seed(7316);
+
+    WANTS;
+    make(7316);
+    make_wrong_points(&rng);
+    considered.is_truncated = 1;
+    adjust_robust(count_wrong());
+    ASSERT_STATUS(RIGCAL_OK, rigcal_rig_consider(&considered, NULL, &r.rig));
+    assert_all(1);
+    considered.is_truncated = 0; /* all points, at the same poses */
+    ASSERT_STATUS(RIGCAL_OK, rigcal_rig_consider(&considered, NULL, &r.rig));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_rig_covariance(Sigma, &r.rig, 0, 2));
+    spread(expected, 12, 12);
+    TEST_ASSERT_TRUE(fabs(D(Sigma[0]) / expected[0] - 1) > 0.01);
+}
+
+/* A point that its camera cannot see is wrong. A limit for the truncated loss needs the
+ * noise of the pixels. */
+static void test_what_the_truncated_loss_leaves_out_needs_the_noise(void)
+{
+    static const rigcal_real BEHIND[3] = {0, 0, -2};
+    rigcal_transform chain, target_from_cam;
+    rigcal_real whole[36], Sigma[36];
+    double expected[36];
+    test_rng rng = test_seed(7317);
+    int32_t at_fault;
+
+    WANTS;
+    make(7317);
+    make_wrong_points(&rng);
+    adjust_robust(count_wrong());
+    considered.is_truncated = 1;
+    ASSERT_STATUS(RIGCAL_OK, rigcal_rig_consider(&considered, NULL, &r.rig));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_rig_covariance(whole, &r.rig, 0, 2));
+    chain = test_times(&r.cams[r.views[0].camera], &r.places[r.views[0].placement]);
+    ASSERT_STATUS(RIGCAL_OK, rigcal_transform_invert(&target_from_cam, &chain));
+    ASSERT_STATUS(RIGCAL_OK,
+                  rigcal_transform_point(r.o[0][0].X_w, &target_from_cam, BEHIND));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_rig_consider(&considered, NULL, &r.rig));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_rig_covariance(Sigma, &r.rig, 0, 2));
+    test_to_double(expected, whole, 36);
+    assert_part(expected, Sigma, TOL(1e-12, 1e-5));
+    considered.is_truncated = 0;
+    ASSERT_STATUS(RIGCAL_ERR_BEHIND, rigcal_rig_consider(&considered, &at_fault, &r.rig));
+    TEST_ASSERT_EQUAL_INT32(0, at_fault);
+    for (int32_t k = -1; k <= 2; k += 3) {
+        considered.is_truncated = k;
+        assert_refused(RIGCAL_ERR_RANGE);
+    }
+    considered.is_truncated = 1;
+    r.rig.sigma_px = 0;
+    assert_refused(RIGCAL_ERR_RANGE);
+}
 
 static void test_other_intrinsics_move_the_adjusted_rig_by_the_effects(void)
 {
@@ -702,16 +826,6 @@ static void test_the_budget_changes_no_bit(void)
 
 /* ---- what cannot be --------------------------------------------------------- */
 
-static void assert_refused(rigcal_status expected)
-{
-    const rigcal_considered before = considered;
-    int32_t at_fault = -2;
-
-    ASSERT_STATUS(expected, rigcal_rig_consider(&considered, &at_fault, &r.rig));
-    TEST_ASSERT_EQUAL_MEMORY(&before, &considered, sizeof before);
-    TEST_ASSERT_EQUAL_INT32(-1, at_fault);
-}
-
 static void test_bad_deviations_and_memory_are_refused(void)
 {
     static const struct {
@@ -803,6 +917,8 @@ TEST_MAIN()
     RUN_TEST(test_cameras_with_exact_intrinsics_have_no_columns);
     RUN_TEST(test_held_cameras_move_placements_and_other_cameras);
     RUN_TEST(test_a_prior_holds_against_intrinsics);
+    RUN_TEST(test_points_that_a_robust_adjustment_left_out_do_not_count);
+    RUN_TEST(test_what_the_truncated_loss_leaves_out_needs_the_noise);
     RUN_TEST(test_other_intrinsics_move_the_adjusted_rig_by_the_effects);
     RUN_TEST(test_intrinsics_act_through_clocks_too);
     RUN_TEST(test_with_clocks_the_memory_is_enough);

@@ -340,8 +340,22 @@ static void test_a_body_comes_with_its_covariance_and_leaves(void)
             by[k / 6][k % 6] = D(T[k]);
             Q[k] = k % 7 == 0 ? RC(1e-6) : 0;
         }
+        for (int i = 0; i < N; i++) {
+            s.f.d[i] = RC(0.001 * (i + 1));
+        }
         rc_filter_multiply(s.UD, N);
         rc_filter_come(&s.f, s.UD, turned ? 1 : 3, turned ? 3 : 1, T, Q);
+        for (int i = 0; i < N;
+             i++) { /* an estimated error of the one is one of the other */
+            expected = 0.001 * (i + 1);
+            if (i >= new_at && i < new_at + 6) {
+                expected = 0;
+                for (int k = 0; k < 6; k++) {
+                    expected += by[i - new_at][k] * 0.001 * (from + k + 1);
+                }
+            }
+            ASSERT_NEAR(expected, s.f.d[i], TOL(1e-15, 1e-7));
+        }
         for (int i = 0; i < 6; i++) {
             for (int j = 0; j < N; j++) {
                 const int is_own = j >= new_at && j < new_at + 6;

@@ -1549,13 +1549,14 @@ static const rigcal_symmetries *symmetries_of(const void *is_there, const void *
 }
 
 static rigcal_considered *considered_of(const void *is_there, void *effects,
-                                        const void *capacity)
+                                        const void *capacity, const void *is_truncated)
 {
     static rigcal_considered considered;
 
     memset(&considered, 0, sizeof considered);
     considered.effects = effects;
     considered.capacity = *(const size_t *)capacity;
+    considered.is_truncated = *(const int32_t *)is_truncated;
     return is_there ? &considered : NULL;
 }
 
@@ -1624,6 +1625,7 @@ static rigcal_estimated *estimated_of(void *const p[])
     estimated.made = p[12];
     estimated.change = p[13];
     estimated.sigma = p[14];
+    estimated.considered.is_truncated = *(const int32_t *)p[17];
     return p[9] ? &estimated : NULL;
 }
 
@@ -1772,10 +1774,10 @@ CALL(cause_begin, p[14], RIG_WITH(0, poses), p[9], symmetries_of(p[10], p[11], p
 CALL(camera_cause_begin, p[14], RIG_WITH(0, poses), p[9], symmetries_of(p[10], p[11], p[12]), COUNTED(p[13]))
 CALL(cause_step, p[0], INT(p[1]))
 CALL(cause_result, p[0], p[1])
-CALL(rig_consider, considered_of(p[9], p[10], p[11]), p[12], RIG_WITH(0, deviations))
+CALL(rig_consider, considered_of(p[9], p[10], p[11], p[13]), p[12], RIG_WITH(0, deviations))
 CALL(rig_estimate, estimated_of(p), p[15], RIG_WITH(0, deviations), REAL(p[16]))
 CALL(camera_change, p[0], p[1], p[2])
-CALL(consider_begin, p[12], considered_of(p[9], p[10], p[11]), RIG_WITH(0, deviations))
+CALL(consider_begin, p[12], considered_of(p[9], p[10], p[11], p[13]), RIG_WITH(0, deviations))
 CALL(consider_step, p[0], INT(p[1]))
 CALL(consider_result, p[0], p[1])
 CALL(clocks_defaults, p[0])
@@ -2158,16 +2160,19 @@ static const function FUNCTIONS[] = {
       IN(TRANSFORM, 1, &ok.b_from_a)}},
     {F(rig_consider), 0, S(STATE) | ADJUSTED,
      {RIG_DONE, IN_OPT(DEVIATION, N_CAMERAS, ok.deviations), IN(THERE, 1, &INT_1), WORK(NUMBER, CONSIDER_WORK),
-      ROOM(&SIZE_CONSIDER, CONSIDER_WORK, RIGCAL_ERR_CAPACITY), OUT_BAD}},
+      ROOM(&SIZE_CONSIDER, CONSIDER_WORK, RIGCAL_ERR_CAPACITY), OUT_BAD,
+      CHOICE(&INT_0, 0, 0, RIGCAL_ERR_RANGE)}},
     {F(rig_estimate), 0, S(STATE) | ADJUSTED,
      {RIG_DONE, IN_OPT(DEVIATION, N_CAMERAS, ok.deviations), IN(THERE, 1, &INT_1), WORK(NUMBER, ESTIMATE_WORK),
       ROOM(&SIZE_ESTIMATE, ESTIMATE_WORK, RIGCAL_ERR_CAPACITY), IN(MADE, N_CAMERAS, ok.changes),
-      OUT(CHANGE, N_CAMERAS), OUT(CHANGE, N_CAMERAS), OUT_BAD, VALUE(SPREAD, &REAL_SIGMA)}},
+      OUT(CHANGE, N_CAMERAS), OUT(CHANGE, N_CAMERAS), OUT_BAD, VALUE(SPREAD, &REAL_SIGMA),
+      CHOICE(&INT_0, 0, 0, RIGCAL_ERR_RANGE)}},
     {F(camera_change), 0, DEVICE,
      {OUT(CAMERA, 1), IN(CAMERA, 1, &ok.camera), IN(CHANGE, 1, ok.changes)}},
     {F(consider_begin), 0, S(STATE) | S(TOO_FEW) | S(CAPACITY) | ARGS,
      {RIG_DONE, IN_OPT(DEVIATION, N_CAMERAS, ok.deviations), IN(THERE, 1, &INT_1), WORK(NUMBER, CONSIDER_WORK),
-      ROOM(&SIZE_CONSIDER, CONSIDER_WORK, RIGCAL_ERR_CAPACITY), OUT_PART(CONSIDER_SOLVER, 1)}},
+      ROOM(&SIZE_CONSIDER, CONSIDER_WORK, RIGCAL_ERR_CAPACITY), OUT_PART(CONSIDER_SOLVER, 1),
+      CHOICE(&INT_0, 0, 0, RIGCAL_ERR_RANGE)}},
     {F(consider_step), RIGCAL_RUNNING,
      S(NULL) | S(RANGE) | S(STATE) | BIT(RIGCAL_RUNNING),
      {STATE(CONSIDER_SOLVER, &ok.consider_begun), CHOICE(&INT_2, 1, 0, RIGCAL_ERR_RANGE)}},

@@ -146,57 +146,38 @@ static size_t priors_before(const rigcal_rig *rig, size_t camera)
     return n;
 }
 
-/* sigma_px^2 times a block of the joint information, whose rows and columns begin there. */
-static void information_block(rigcal_real B[36], const rigcal_rig *rig, size_t row,
-                              size_t column)
-{
-    const rigcal_real variance = rig->sigma_px * rig->sigma_px;
-    for (size_t i = 0; i < 6; i++) {
-        for (size_t j = 0; j < 6; j++) {
-            const size_t r = row + i, c = column + j;
-            B[6 * i + j] =
-                variance *
-                rig->priors_information[(r > c) ? rc_packed_at(r, c) : rc_packed_at(c, r)];
-        }
-    }
-}
-
-/* Adds a block to S. */
-static void add_block(const rc_rig_parts *parts, size_t camera, size_t other,
-                      const rigcal_real B[36])
-{
-    for (size_t i = 0; i < 6; i++) {
-        rigcal_real *const row = &parts->S[rc_packed_at((size_t)parts->column[camera] + i,
-                                                        (size_t)parts->column[other])];
-        for (size_t j = 0; j < 6; j++) {
-            row[j] += B[6 * i + j];
-        }
-    }
-}
-
-/* The same equations from the information of all priors together. */
+/* The equations of a camera's prior from the information of all together. */
 static void joint_prior(rigcal_real g[6], rigcal_real H[21], const rc_rig_parts *parts,
                         const rigcal_rig *rig, size_t camera)
 {
+    const rigcal_real variance = rig->sigma_px * rig->sigma_px;
     const size_t row = 6 * priors_before(rig, camera);
     size_t column = 0;
+    rigcal_real own[36];
     rc_clear(g, 6);
     for (size_t c = 0; c < rig->n_cameras; c++) {
-        if (rc_rig_has_prior(rig, c)) {
-            rigcal_real B[36], d[6];
-            information_block(B, rig, row, column);
-            rc_deviation(d, &rig->priors[c].cam_from_rig, &rig->cams_from_rig[c]);
-            for (int i = 0; i < 6; i++) {
-                g[i] += rc_vec6_dot(&B[6 * i], d);
-            }
-            if (c == camera) {
-                rc_sym6_pack(H, B);
-            } else if (c < camera && parts != NULL) {
-                add_block(parts, camera, c, B);
-            }
-            column += 6;
+        if (!rc_rig_has_prior(rig, c)) {
+            continue;
         }
+        rigcal_real d[6];
+        rc_deviation(d, &rig->priors[c].cam_from_rig, &rig->cams_from_rig[c]);
+        for (size_t k = 0; k < 36; k++) {
+            const size_t i = k / 6, j = k % 6, at = row + i, across = column + j;
+            const rigcal_real element =
+                variance *
+                rig->priors_information[(at > across) ? rc_packed_at(at, across)
+                                                      : rc_packed_at(across, at)];
+            g[i] += element * d[j];
+            if (c == camera) {
+                own[k] = element;
+            } else if (c < camera && parts != NULL) {
+                parts->S[rc_packed_at((size_t)parts->column[camera] + i,
+                                      (size_t)parts->column[c] + j)] += element;
+            }
+        }
+        column += 6;
     }
+    rc_sym6_pack(H, own);
 }
 
 /* The same from the camera's own covariance. Returns 0 if it is not one. */

@@ -332,8 +332,10 @@ class Rig:
             save_cameras(path, self.cameras, format)
 
     def write_prior(self, path: str | os.PathLike[str]) -> None:
-        """rig.csv with each camera's covariance: what is known beforehand."""
-        table: dict[str, list[str]] = {"camera": list(self)}
+        """rig.csv with the covariances of cameras and between them: what is known
+        beforehand."""
+        names = list(self)
+        table: dict[str, list[str]] = {"camera": names}
         poses = [self.cam_from_rig(name) for name in self]
         numbers = np.array([[*pose.R.ravel(), *pose.t] for pose in poses])
         for name, column in zip(_tables.TRANSFORM, numbers.T.tolist()):
@@ -342,6 +344,11 @@ class Rig:
         for name in _tables.COVARIANCE:
             i, j = int(name[1]) - 1, int(name[2]) - 1
             table[name] = [repr(float(block[i, j])) for block in blocks]
+        for k, other in enumerate(names[:-1] if self.calibrated.sigma_px > 0 else []):
+            across = [self.covariance(name, other) for name in names[k + 1 :]]
+            for i, j in np.ndindex(6, 6):
+                numbers_of_later = [repr(float(block[i, j])) for block in across]
+                table[f"S{i + 1}{j + 1}@{other}"] = [""] * (k + 1) + numbers_of_later
         _tables.write(pathlib.Path(path), table)
 
     @classmethod

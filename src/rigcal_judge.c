@@ -319,8 +319,7 @@ static void conclude(rigcal_judge_solver *s, const rc_rig_parts *parts)
         const size_t kept = kept_of(&last, s, first, count);
         for (size_t v = first; v < first + count; v++) {
             const int is_out = s->left_out[v] != 0;
-            const int32_t verdict = (count == 1 || (kept == 1 && !is_out))
-                                        ? RIGCAL_VIEW_UNCHECKED
+            const int32_t verdict = (count == 1)  ? RIGCAL_VIEW_UNCHECKED
                                     : (kept == 0) ? RIGCAL_VIEW_ONE_OF_TWO
                                     : is_out      ? RIGCAL_VIEW_CONTRADICTS
                                                   : RIGCAL_VIEW_FITS;

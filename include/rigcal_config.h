@@ -37,10 +37,10 @@
  * the processor has that instruction. gcc does so unless -ffp-contract=off or -std=c99 is
  * given, clang from 14 on unless -ffp-contract=off is given, MSVC before 2022 unless
  * /fp:strict is given. Where gcc vectorises for an x86 with FMA, or for the vectors of
- * RISC-V, it does so in spite of -ffp-contract=off; -fno-tree-vectorize prevents that. CMake
- * switches contraction off, and gives that option where it is needed. With contraction these
- * promises no longer hold; the tests found no others (tests/ways/MATRIX.md names those that
- * fail):
+ * RISC-V, it does so in spite of -ffp-contract=off; -fno-tree-vectorize prevents that.
+ * CMake switches contraction off, and gives that option where it is needed. With
+ * contraction these promises no longer hold; the tests found no others
+ * (tests/ways/MATRIX.md names those that fail):
  *
  *   - The same input gives the same bits on every target with the same libm.
  *   - A search takes as many evaluations as on other targets. Its upper bounds hold.

@@ -2525,7 +2525,7 @@ static int has_checked_reals(int i)
 
 /* An emulated target tries one in STEP values of each number, and other values of the next
  * number. */
-enum { STEP = TEST_ONE_IN > 1 ? 8 : 1 };
+enum { STEP = TEST_ONE_IN > 1 ? 24 : 1 };
 
 static void not_finite_numbers(void)
 {

@@ -1,4 +1,5 @@
 /* views: the input of a rig, its checks, its groups, and views from a source. */
+#include <math.h>
 #include <string.h>
 
 #include "rc_views.h"
@@ -630,8 +631,191 @@ static void test_a_pose_may_have_as_many_points_as_can_be_counted(void)
     ASSERT_STATUS(RIGCAL_ERR_RANGE, rc_check_pose(&pose));
 }
 
+/* ---- priors that are not independent ----------------------------------------- */
+
+enum { N_PRIORS = 3, OF_PRIORS = RIGCAL_CALIBRATED_SIZE(N_PRIORS), N = 6 * N_PRIORS };
+static rigcal_real joint[OF_PRIORS], information[OF_PRIORS];
+
+static void test_the_information_of_priors_is_the_inverse_of_their_covariance(void)
+{
+    test_rng rng = test_seed(32);
+    double A[N][N], Sigma[N][N];
+
+    for (int i = 0; i < N; i++) {
+        for (int j = 0; j < N; j++) {
+            A[i][j] = test_normal(&rng) * ((i < 3) ? 1e-3 : 1);
+        }
+    }
+    for (int i = 0; i < N; i++) {
+        for (int j = 0; j <= i; j++) {
+            Sigma[i][j] = 0;
+            for (int k = 0; k < N; k++) {
+                Sigma[i][j] += A[i][k] * A[j][k];
+            }
+            Sigma[i][j] += (i == j) ? 0.1 * Sigma[i][j] : 0;
+            Sigma[j][i] = Sigma[i][j];
+            joint[i * (i + 1) / 2 + j] = (rigcal_real)Sigma[i][j];
+        }
+    }
+    ASSERT_STATUS(RIGCAL_OK, rigcal_priors_information(information, joint, N_PRIORS));
+    for (int i = 0; i < N; i++) {
+        for (int j = 0; j < N; j++) {
+            double sum = 0;
+
+            for (int k = 0; k < N; k++) {
+                const int row = k > j ? k : j, column = k > j ? j : k;
+
+                sum += Sigma[i][k] * D(information[row * (row + 1) / 2 + column]);
+            }
+            ASSERT_NEAR(i == j, sum * sqrt(Sigma[j][j] / Sigma[i][i]), TOL(1e-10, 1e-2));
+        }
+    }
+    /* in the memory of the covariance */
+    ASSERT_STATUS(RIGCAL_OK, rigcal_priors_information(joint, joint, N_PRIORS));
+    TEST_ASSERT_EQUAL_MEMORY(information, joint, sizeof(rigcal_real) * N * (N + 1) / 2);
+}
+
+static void test_what_is_no_joint_covariance_has_no_information(void)
+{
+    const size_t n = RIGCAL_CALIBRATED_SIZE(N_PRIORS);
+
+    for (size_t k = 0; k < n; k++) {
+        joint[k] = 0;
+    }
+    for (size_t i = 0; i < 6 * N_PRIORS; i++) {
+        joint[i * (i + 1) / 2 + i] = 1;
+    }
+    ASSERT_STATUS(RIGCAL_OK, rigcal_priors_information(information, joint, N_PRIORS));
+    ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_priors_information(NULL, joint, N_PRIORS));
+    ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_priors_information(information, NULL, N_PRIORS));
+    ASSERT_STATUS(RIGCAL_ERR_TOO_FEW, rigcal_priors_information(information, joint, 0));
+    ASSERT_STATUS(RIGCAL_ERR_RANGE,
+                  rigcal_priors_information(information, joint, RIGCAL_STORE_FREE_MAX + 1));
+    joint[n - 2] = TEST_NAN;
+    ASSERT_STATUS(RIGCAL_ERR_NOT_FINITE,
+                  rigcal_priors_information(information, joint, N_PRIORS));
+    joint[n - 2] = RC(1.5); /* two elements are correlated by more than 1 */
+    ASSERT_STATUS(RIGCAL_ERR_DEGENERATE,
+                  rigcal_priors_information(information, joint, N_PRIORS));
+    joint[n - 2] = 0;
+    joint[0] = RC(TOL(1e-309, 1e-39)); /* 1 / this is infinite */
+    ASSERT_STATUS(RIGCAL_ERR_DEGENERATE,
+                  rigcal_priors_information(information, joint, N_PRIORS));
+    joint[0] = 0;
+    ASSERT_STATUS(RIGCAL_ERR_DEGENERATE,
+                  rigcal_priors_information(information, joint, N_PRIORS));
+}
+
+/* A rig of which cameras 0, 2 and 3 have priors. `d` is how far they are from them. */
+static void make_priors(double Q[N][N], double d[N], test_rng *rng)
+{
+    static const uint8_t ROLES[4] = {RIGCAL_CAMERA_PRIOR, RIGCAL_CAMERA_FREE,
+                                     RIGCAL_CAMERA_PRIOR, RIGCAL_CAMERA_PRIOR};
+    make(4, 2);
+    r.rig.roles = ROLES;
+    r.rig.priors = r.priors;
+    r.rig.sigma_px = RC(0.5);
+    r.rig.priors_information = information;
+    for (int i = 0; i < N; i++) {
+        d[i] = test_normal(rng) / 100;
+        for (int j = 0; j <= i; j++) {
+            const rigcal_real q = RC(test_normal(rng) + ((i == j) ? 9 : 0));
+
+            information[i * (i + 1) / 2 + j] = q;
+            Q[i][j] = Q[j][i] = D(q);
+        }
+    }
+    for (int k = 0; k < N_PRIORS; k++) {
+        const int c = k + (k > 0);
+
+        r.priors[c].cam_from_rig = test_moved(&r.cams[c], &d[6 * k]);
+    }
+}
+
+/* (G7): g = sigma^2 Q d, in blocks. */
+static void test_priors_count_with_what_links_them(void)
+{
+    enum { ALL = 24 };
+    const double tol = TOL(1e-13, 1e-5), variance = 0.25;
+    test_rng rng = test_seed(340);
+    double Q[N][N], d[N], S[ALL][ALL] = {{0}};
+    rc_rig_parts parts;
+
+    WANTS_RIG;
+    make_priors(Q, d, &rng);
+    rc_rig_parts_of(&parts, &r.rig, ALL);
+    rc_clear(parts.S, ALL * (ALL + 1) / 2);
+    for (int c = 0; c < 4; c++) {
+        parts.column[c] = (rigcal_real)(6 * c);
+    }
+    for (int k = 0; k < N_PRIORS; k++) {
+        const int c = k + (k > 0);
+        rigcal_real sum, g[6], H[21], full[36], again[6];
+        double expected_sum = 0;
+
+        ASSERT_STATUS(RIGCAL_OK, rc_rig_prior(&sum, g, H, &parts, &r.rig, (size_t)c));
+        rc_sym6_unpack(full, H);
+        for (int i = 0; i < 6; i++) {
+            double expected = 0;
+
+            for (int j = 0; j < N; j++) {
+                const int other = j / 6 + (j >= 6);
+
+                expected += variance * Q[6 * k + i][j] * d[j];
+                if (j / 6 < k) {
+                    S[6 * c + i][6 * other + j % 6] = variance * Q[6 * k + i][j];
+                } else if (j / 6 == k) {
+                    ASSERT_NEAR(variance * Q[6 * k + i][j], full[6 * i + j % 6], tol * 10);
+                }
+            }
+            ASSERT_NEAR(expected, g[i], tol);
+            expected_sum += expected * d[6 * k + i];
+        }
+        ASSERT_NEAR(expected_sum, sum, tol);
+        ASSERT_STATUS(RIGCAL_OK, rc_rig_prior(&sum, again, H, NULL, &r.rig, (size_t)c));
+        TEST_ASSERT_EQUAL_MEMORY(g, again, sizeof g);
+    }
+    for (int i = 0; i < ALL; i++) {
+        for (int j = 0; j <= i; j++) {
+            ASSERT_NEAR(S[i][j], parts.S[i * (i + 1) / 2 + j], tol * 10);
+        }
+    }
+}
+
+static void test_each_number_of_the_information_is_checked(void)
+{
+    test_rng rng = test_seed(341);
+    double Q[N][N], d[N];
+    rigcal_rig_fit fit;
+
+    WANTS_RIG;
+    make_priors(Q, d, &rng);
+    for (int k = 0; k < OF_PRIORS; k++) {
+        information[k] *= RC(1e5); /* they alone fix the frame of the rig */
+    }
+    r.priors[3].Sigma[0] = TEST_NAN; /* it does not count */
+    TEST_ASSERT_TRUE(rigcal_rig_adjust(&fit, NULL, &r.rig) >= 0);
+    for (int k = 0; k < OF_PRIORS; k++) {
+        const rigcal_real kept = information[k];
+
+        information[k] = TEST_NAN;
+        assert_refused(RIGCAL_ERR_NOT_FINITE, -1);
+        information[k] = kept;
+    }
+    information[0] = RC(-1e12); /* no information is below 0 */
+    memcpy(r.cams, r.true_cams, sizeof r.cams);
+    ASSERT_REFUSED(RIGCAL_ERR_DEGENERATE, fit, rigcal_rig_adjust(&fit, NULL, &r.rig));
+    information[0] = RC(9e5);
+    r.rig.sigma_px = 0;
+    assert_refused(RIGCAL_ERR_RANGE, -1);
+}
+
 TEST_MAIN()
 {
+    RUN_TEST(test_the_information_of_priors_is_the_inverse_of_their_covariance);
+    RUN_TEST(test_what_is_no_joint_covariance_has_no_information);
+    RUN_TEST(test_priors_count_with_what_links_them);
+    RUN_TEST(test_each_number_of_the_information_is_checked);
     RUN_TEST(test_a_pose_may_have_as_many_points_as_can_be_counted);
     RUN_TEST(test_views_left_out_are_as_if_they_were_not_there);
     RUN_TEST(test_a_view_left_out_connects_nothing);

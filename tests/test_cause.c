@@ -938,6 +938,9 @@ static void test_counts_of_symmetries_are_checked(void)
     ASSERT_STATUS(RIGCAL_OK, CAUSE);
     TEST_ASSERT_NOT_EQUAL_INT32(RIGCAL_CAUSE_TURNED, cause.cause);
     symmetries.n_permutations = PERMUTATIONS;
+    b.own[8].placement -= 2; /* not in the order of placements */
+    ASSERT_REFUSED(RIGCAL_ERR_UNSORTED, cause, CAUSE);
+    b.own[8].placement += 2;
     b.rig.views = NULL;
     ASSERT_REFUSED(RIGCAL_ERR_NULL, cause, CAUSE);
     b.rig.views = b.views;

@@ -104,6 +104,21 @@ static void adjust(void)
     }
 }
 
+/* `step` is the largest of (change - made) / sigma. */
+static void assert_step(void)
+{
+    double largest = 0;
+
+    for (int k = 0; k < BY * CAMERAS; k++) {
+        const double by =
+            D(*number_of(&change[k / BY], k % BY)) - D(*number_of(&made[k / BY], k % BY));
+        const double sigma = D(*number_of(&left[k / BY], k % BY));
+
+        largest = (sigma > 0) ? fmax(largest, fabs(by) / sigma) : largest;
+    }
+    ASSERT_NEAR(largest, estimated.step, TOL(1e-9, 1e-2) * (1 + largest));
+}
+
 /* Runs rounds until no step is longer than `limit`. Returns their number. */
 static int settle(double limit)
 {
@@ -114,6 +129,7 @@ static int settle(double limit)
         ASSERT_STATUS(RIGCAL_OK,
                       rigcal_rig_estimate(&estimated, &at_fault, &r.rig, RC(SIGMA_PX)));
         TEST_ASSERT_EQUAL_INT32(-1, at_fault);
+        assert_step();
         if (D(estimated.step) < limit) {
             return round;
         }

@@ -442,11 +442,19 @@ static void test_a_view_that_nobody_shares_is_unchecked_if_it_is_left_out_too(vo
 
 /* ---- second poses ---------------------------------------------------------- */
 
+static rigcal_view_pose second[BOARD_VIEWS_MAX];
+
+static rigcal_status second_from_source(rigcal_view_pose *pose, size_t index, void *context)
+{
+    (void)context;
+    *pose = second[index];
+    return RIGCAL_OK;
+}
+
 /* A view whose second pose is the right one: the judge takes it, although the choice left
- * the view out. */
+ * the view out. So it does if the poses come from a source. */
 static void test_a_second_pose_is_taken_up(void)
 {
-    static rigcal_view_pose second[BOARD_VIEWS_MAX];
     static const double axis[3] = {1, 0, 0};
     const rigcal_transform turned = test_turned_about(axis, 0.4);
     test_rng rng = test_seed(2000);
@@ -460,6 +468,13 @@ static void test_a_second_pose_is_taken_up(void)
     second[7].sse += 1;
     b.choice.second_poses = second;
     b.choice.sigma_px = RC(NOISE);
+    b.takes[7] = RIGCAL_TAKES_NONE;
+    ASSERT_STATUS(RIGCAL_OK, rigcal_rig_judge(&b.judgement, NULL, b.judged, b.left_out,
+                                              &b.choice, &b.rig));
+    TEST_ASSERT_EQUAL_UINT8(RIGCAL_TAKES_SECOND, b.takes[7]);
+    TEST_ASSERT_EQUAL_INT32(18, b.judgement.n_fit);
+    b.choice.second_poses = NULL;
+    b.choice.second_source = second_from_source;
     b.takes[7] = RIGCAL_TAKES_NONE;
     ASSERT_STATUS(RIGCAL_OK, rigcal_rig_judge(&b.judgement, NULL, b.judged, b.left_out,
                                               &b.choice, &b.rig));

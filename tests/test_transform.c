@@ -3,6 +3,7 @@
 #include <stddef.h>
 #include <string.h>
 
+#include "rc_transform.h"
 #include "test_support.h"
 #include "vectors_transform.h"
 
@@ -554,8 +555,20 @@ static void test_arguments_of_the_mean_are_checked(void)
     }
 }
 
+static void test_the_identity_leaves_a_point_where_it_is(void)
+{
+    const rigcal_real X[3] = {RC(1.5), RC(-2.25), RC(0.75)};
+    rigcal_transform T;
+    rigcal_real moved[3];
+
+    rc_transform_identity(&T);
+    rc_transform_point(moved, &T, X);
+    TEST_ASSERT_EQUAL_MEMORY(X, moved, sizeof X);
+}
+
 TEST_MAIN()
 {
+    RUN_TEST(test_the_identity_leaves_a_point_where_it_is);
     RUN_TEST(test_a_point_is_turned_then_shifted);
     RUN_TEST(test_the_later_transform_stands_left_in_a_chain);
     RUN_TEST(test_the_inverse_of_a_known_transform);

@@ -125,7 +125,7 @@ RIGCAL_API size_t rigcal_rig_work(size_t n_free, size_t n_cameras, size_t n_plac
 /* The information of all cameras with a prior together: the inverse of their joint
  * covariance. Cameras that one calibration found need it, because their errors are not
  * independent: all contain those of the camera whose frame is the rig's. If such priors
- * count as independent, Sigma of a camera after the adjustment may be 30 % too small.
+ * count as independent, Sigma of a camera after the adjustment is some 25 % too small.
  * information, Sigma: of (w, dt) of the cameras in the role RIGCAL_CAMERA_PRIOR, in the
  * order of the rig: the lower triangle row by row, RIGCAL_CALIBRATED_SIZE(n_priors) reals.
  * information may be Sigma. OK, ERR_NULL, ERR_TOO_FEW (no prior), ERR_RANGE (more than

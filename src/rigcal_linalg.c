@@ -398,6 +398,23 @@ void rc_packed_square_row(rigcal_real L_inverse[], size_t i, size_t n)
     }
 }
 
+int rc_packed_invert(rigcal_real A[], size_t n)
+{
+    for (size_t i = 0; i < n; i++) {
+        const rigcal_real diagonal = A[rc_packed_at(i, i)];
+        if (!(diagonal > 0) || !rc_packed_factor_row(A, i, RANK_TOL * diagonal)) {
+            return 0;
+        }
+    }
+    for (size_t i = 0; i < n; i++) {
+        rc_packed_invert_row(A, i);
+    }
+    for (size_t i = 0; i < n; i++) {
+        rc_packed_square_row(A, i, n);
+    }
+    return 1;
+}
+
 /* ---- the bodies of inline functions -------------------------------------- */
 
 extern inline rigcal_real rc_max(rigcal_real a, rigcal_real b);
@@ -421,20 +438,3 @@ extern inline void rc_mat3_mul_vec3(rigcal_real out[3], const rigcal_real M[9],
 extern inline void rc_sym3_forward(rigcal_real x[3], const rigcal_real L[6]);
 extern inline void rc_sym3_backward(rigcal_real x[3], const rigcal_real L[6]);
 extern inline size_t rc_packed_at(size_t i, size_t j);
-
-int rc_packed_invert(rigcal_real A[], size_t n)
-{
-    for (size_t i = 0; i < n; i++) {
-        const rigcal_real diagonal = A[rc_packed_at(i, i)];
-        if (!(diagonal > 0) || !rc_packed_factor_row(A, i, RANK_TOL * diagonal)) {
-            return 0;
-        }
-    }
-    for (size_t i = 0; i < n; i++) {
-        rc_packed_invert_row(A, i);
-    }
-    for (size_t i = 0; i < n; i++) {
-        rc_packed_square_row(A, i, n);
-    }
-    return 1;
-}

@@ -345,8 +345,8 @@ static void test_a_body_comes_with_its_covariance_and_leaves(void)
         }
         rc_filter_multiply(s.UD, N);
         rc_filter_come(&s.f, s.UD, turned ? 1 : 3, turned ? 3 : 1, T, Q);
-        for (int i = 0; i < N;
-             i++) { /* an estimated error of the one is one of the other */
+        /* An estimated error of the one is an error of the other. */
+        for (int i = 0; i < N; i++) {
             expected = 0.001 * (i + 1);
             if (i >= new_at && i < new_at + 6) {
                 expected = 0;

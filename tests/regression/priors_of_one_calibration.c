@@ -1,6 +1,6 @@
 /* Priors of cameras counted as independent, although one calibration had found them: their
  * errors contain those of the camera whose frame the rig's is. After the next adjustment a
- * variance was up to 30 % too small, and the poses were not the best. Two adjustments in a
+ * variance was some 25 % too small, and the poses were not the best. Two adjustments in a
  * row, the second with the joint covariance of the first, must give what one adjustment of
  * all views gives. */
 #include <math.h>

@@ -184,6 +184,12 @@ inline size_t rc_packed_at(size_t i, size_t j)
     return i * (i + 1) / 2 + j;
 }
 
+/* The place of element (i, j), whichever of both is larger. */
+RC_INLINE size_t rc_packed_of(size_t i, size_t j)
+{
+    return (i >= j) ? rc_packed_at(i, j) : rc_packed_at(j, i);
+}
+
 /* Replaces row i of A by row i of Cholesky's factor, with the inverse of its diagonal. The
  * rows above must have been replaced. Returns 0 if the pivot is at most `least`: A is not
  * positive definite to rounding. O(i^2). */

@@ -248,7 +248,7 @@ static void eliminate(const rigcal_rig_solver *s, const rc_rig_parts *parts,
 static void hold(const rigcal_rig_solver *s, const rc_rig_parts *parts, size_t at)
 {
     for (size_t i = 0; i < s->n; i++) {
-        parts->S[(i < at) ? rc_packed_at(at, i) : rc_packed_at(i, at)] = 0;
+        parts->S[rc_packed_of(i, at)] = 0;
     }
     parts->S[rc_packed_at(at, at)] = parts->d[at] = 1;
     parts->g[at] = 0;

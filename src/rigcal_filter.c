@@ -663,8 +663,7 @@ void rc_filter_come(const rc_filter *f, rigcal_real P[], size_t body, size_t oth
         rc_mat6_add_product(new_across, by, across, 0);
         for (size_t k = 0; k < 36; k++) {
             const size_t row = first + k / 6, column = (size_t)at + k % 6;
-            P[row > column ? rc_packed_at(row, column) : rc_packed_at(column, row)] =
-                new_across[k];
+            P[rc_packed_of(row, column)] = new_across[k];
         }
     }
 }

@@ -36,8 +36,7 @@ void rc_joint_block(rigcal_real out[36], const rigcal_real S[], rigcal_real a,
     for (size_t i = 0; i < 6; i++) {
         for (size_t j = 0; j < 6; j++) {
             const size_t row = (size_t)a + i, column = (size_t)b + j;
-            out[6 * i + j] =
-                S[(row >= column) ? rc_packed_at(row, column) : rc_packed_at(column, row)];
+            out[6 * i + j] = S[rc_packed_of(row, column)];
         }
     }
 }

@@ -438,3 +438,4 @@ extern inline void rc_mat3_mul_vec3(rigcal_real out[3], const rigcal_real M[9],
 extern inline void rc_sym3_forward(rigcal_real x[3], const rigcal_real L[6]);
 extern inline void rc_sym3_backward(rigcal_real x[3], const rigcal_real L[6]);
 extern inline size_t rc_packed_at(size_t i, size_t j);
+extern inline size_t rc_packed_of(size_t i, size_t j);

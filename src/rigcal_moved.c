@@ -100,7 +100,7 @@ int rc_moved_saw(const rigcal_moves *m, const rigcal_columns *s, size_t camera)
 
 static rigcal_real at(const rigcal_real packed[], size_t i, size_t j)
 {
-    return packed[(i >= j) ? rc_packed_at(i, j) : rc_packed_at(j, i)];
+    return packed[rc_packed_of(i, j)];
 }
 
 /* T of the six parameters: the six columns of S of the camera, one row for each unknown. */

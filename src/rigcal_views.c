@@ -164,9 +164,7 @@ static void joint_prior(rigcal_real g[6], rigcal_real H[21], const rc_rig_parts 
         for (size_t k = 0; k < 36; k++) {
             const size_t i = k / 6, j = k % 6, at = row + i, across = column + j;
             const rigcal_real element =
-                variance *
-                rig->priors_information[(at > across) ? rc_packed_at(at, across)
-                                                      : rc_packed_at(across, at)];
+                variance * rig->priors_information[rc_packed_of(at, across)];
             g[i] += element * d[j];
             if (c == camera) {
                 own[k] = element;

@@ -44,23 +44,23 @@ def outermost(text):
     """The statements at file scope. What is inside their braces is left out, except in an
     enum, because its constants are names of file scope."""
     code = re.sub(r"^[ \t]*#(?:[^\n]*\\\n)*[^\n]*", "", bare(text), flags=re.M)
-    depth, statement = 0, ""
-    for c in code:
-        is_enum = re.match(r"\s*(typedef\s+)?enum\b", statement)
-        if c == "{":
+    depth, statement, is_enum = 0, "", None
+    for piece in re.split(r"([{};])", code):
+        if piece == "{":
             depth += 1
             if depth == 1:
-                statement += c
+                is_enum = re.match(r"\s*(typedef\s+)?enum\b", statement)
+                statement += piece
                 continue
-        elif c == "}":
+        elif piece == "}":
             depth -= 1
             if depth == 0 and re.search(r"\)\s*\{$", statement):
                 yield statement
                 statement = ""
                 continue
         if depth == 0 or is_enum:
-            statement += c
-        if c == ";" and depth == 0:
+            statement += piece
+        if piece == ";" and depth == 0:
             yield statement
             statement = ""
 

@@ -13,12 +13,13 @@
 steps='
 gcc-double    gcc,cmake,unity,build/gcc-double
               preset gcc-double
-cortex-m0     arm,cmake,unity              preset cortex-m0
+cortex-m0     arm,cmake,unity,build/cortex-m0
+              preset cortex-m0
 asan          gcc,cmake,unity,build/asan   preset asan
 asan-float    gcc,cmake,unity              preset asan-float
 paper         gcc,cmake,unity,python,build/gcc-double
               preset_build gcc-double && $PYTHON tests/checks/check_paper.py
-figures       gcc,arm,riscv,cmake,unity,python,build/cortex-m4f,build/cortex-m7,build/cortex-m7-double,build/cortex-m33,build/rv32imafc
+figures       gcc,arm,riscv,cmake,unity,python,build/cortex-m0,build/cortex-m4f,build/cortex-m7,build/cortex-m7-double,build/cortex-m33,build/rv32imac,build/rv32imafc
               $PYTHON port/qemu/figures.py && $PYTHON port/qemu/monitor.py --check
 cortex-m4f    arm,cmake,unity,build/cortex-m4f
               preset cortex-m4f
@@ -32,7 +33,8 @@ m7-double     arm,cmake,unity,build/cortex-m7-double
               preset cortex-m7-double
 cortex-m33    arm,cmake,unity,build/cortex-m33
               preset cortex-m33
-rv32imac      riscv,cmake,unity            preset rv32imac
+rv32imac      riscv,cmake,unity,build/rv32imac
+              preset rv32imac
 rv32imafc     riscv,cmake,unity,build/rv32imafc
               preset rv32imafc
 mips          mips,cmake,unity             preset mips

@@ -9,12 +9,13 @@
 #
 # Every layer runs on a target of each kind:
 #
-#   soft float         cortex-m0: all that fit in its RAM; rv32imac: large, the others
-#   hard float         cortex-m4f: all
+#   soft float         cortex-m0: all that fit in its RAM; rv32imac: large, the others.
+#                      Both for size
+#   hard float         cortex-m4f: all, and the regressions
 #   double             cortex-m7-double: all
 #   big-endian         mips: all
 #   others of a kind   cortex-m7, cortex-m33, rv32imafc, mips-double: target
-#   hosts              all; shared: one, as unit tests reach functions that it hides
+#   hosts              all, and the regressions; shared: one, as unit tests reach functions that it hides
 set(RIGCAL_TEST_SET all CACHE STRING "Which unit tests: all, target, large or one")
 set_property(CACHE RIGCAL_TEST_SET PROPERTY STRINGS all target large one)
 
@@ -42,6 +43,13 @@ if(CMAKE_CROSSCOMPILING)
     if(RIGCAL_BARE_RAM LESS 0x40000)
         list(APPEND left_out ${wants_256k})
     endif()
+endif()
+# A library for size lacks functions (RIGCAL_FOR_SPEED), among them all of roots.
+string(TOUPPER "CMAKE_C_FLAGS_${CMAKE_BUILD_TYPE}" flags_of_type)
+set(is_for_size OFF)
+if("${CMAKE_C_FLAGS} ${${flags_of_type}}" MATCHES "-Os")
+    set(is_for_size ON)
+    list(APPEND left_out roots)
 endif()
 if(RIGCAL_CONFIG_FILE)
     list(APPEND left_out bounds small) # they have config headers of their own
@@ -72,7 +80,10 @@ endif()
 file(GLOB regressions CONFIGURE_DEPENDS regression/*.c)
 if(NOT RIGCAL_TEST_SET STREQUAL "all")
     set(RIGCAL_TESTS ${${RIGCAL_TEST_SET}})
-    set(regressions)
+endif()
+if(NOT RIGCAL_TEST_SET STREQUAL "all" OR
+   (CMAKE_CROSSCOMPILING AND NOT CMAKE_SYSTEM_PROCESSOR STREQUAL "cortex-m4f"))
+    set(regressions) # they are of the arithmetic, not of the target
 endif()
 list(REMOVE_ITEM RIGCAL_TESTS ${left_out} "") # CMake before 3.20 does not accept an empty
                                               # list

@@ -712,6 +712,7 @@ static void test_a_place_in_a_disc_is_found_if_it_is_in_it(void)
 #endif
 }
 
+#if RIGCAL_FOR_SPEED
 /* F of a lens of second degree with tangential distortion. */
 static void seen_at(double F[2], const double k[2], const double p[2], const double x[2])
 {
@@ -755,6 +756,7 @@ static double radius_seen(const double k[2], const double p[2], double reach)
     }
     return low;
 }
+#endif
 
 /* Every place of a proved disc has a slope. If the lens bends little, the disc holds all
  * places that are seen within its reach, and is a tenth wider. */

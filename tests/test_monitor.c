@@ -486,8 +486,8 @@ static void test_a_covariance_is_checked_from_both_sides(void)
             w.Sigma[at * (at + 3) / 2] = cases[i].first;
             w.Sigma[(at + 1) * (at + 4) / 2 - 1] = cases[i].across;
             w.Sigma[(at + 1) * (at + 4) / 2] = cases[i].second;
-            if (w.rig.Sigma_capacity > 21) {
-                w.Sigma[21] = TEST_NAN; /* no part of it */
+            for (size_t k = 21; k < w.rig.Sigma_capacity; k++) {
+                w.Sigma[k] = TEST_NAN; /* no part of it */
             }
             ASSERT_STATUS(cases[i].status,
                           rigcal_monitor_begin(w.monitor, RIGCAL_MONITOR_SIZE(2, 0), &w.rig,

@@ -5,7 +5,8 @@
  * two refinements, the ray of a pixel, and the proof that the lens sees a point; of the
  * published search, of its objective over a grid; of a rig, of a view's equations by camera
  * and placement, from its points or, for the join, from its own pose. A step of budget b
- * may take b + 1 of them and EXTRA. Exit status 1 where one takes more.
+ * may take b + 1 of them and EXTRA. Exit status 1 where one takes more. With
+ * -DSTEPS_ONE_IN=n only every nth scene is measured.
  */
 #include <stdint.h>
 #include <stdio.h>
@@ -16,6 +17,10 @@
 #include "rc_adjust.h"
 #include "rc_elimination.h"
 #include "rc_pose.h"
+
+#ifndef STEPS_ONE_IN
+#define STEPS_ONE_IN 1
+#endif
 
 /* Fewer scenes for the published search, which evaluates some eighty times as often, and
  * for a rig, which has 24 views. */
@@ -314,7 +319,7 @@ int main(void)
                                 : is_rig                ? SCENES_RIG
                                                         : SCENES;
         longest of = {0};
-        for (uint64_t i = 0; i < scenes; i++) {
+        for (uint64_t i = 0; i < scenes; i += STEPS_ONE_IN) {
             const int32_t one = make(g, i);
             of.one = most(of.one, one);
             for (int b = 0; b < BUDGETS; b++) {

@@ -89,9 +89,11 @@ mkdir -p "$corpus"
 # The number of inputs of a harness in CI: about 3 seconds on an idle core.
 runs_of() {
     case $1 in
-    camera | rotation | neldermead) echo 150000 ;;
-    store) echo 100000 ;;
-    adjust | csv | measure | ways) echo 20000 ;;
+    rotation | neldermead) echo 150000 ;;
+    camera | store) echo 75000 ;;
+    adjust | measure | rig) echo 20000 ;;
+    csv) echo 10000 ;;
+    diagnose | ways) echo 2000 ;;
     *) echo 6000 ;;
     esac
 }

@@ -585,6 +585,34 @@ static void test_all_poses_of_three_points_are_starts(void)
     TEST_ASSERT_LESS_OR_EQUAL_INT(20, inexact);
 }
 
+/* Points 0 and 1 are 0.1 apart, and seen 40 degrees apart. So the camera is nearer to both
+ * than 0.1 / sin 40, 0.16. Point 2 is 1 away, on a ray 0.1 degrees from that of point 0: so
+ * it is 1 behind point 0. From there point 1 is 0.91 away, but would be more than 1, as its
+ * part along the ray is in front of point 0. No pose puts these points on their pixels. The
+ * lattice is scanned at once. */
+static void test_three_points_without_a_pose_begin_with_the_lattice(void)
+{
+    static const double X[3][3] = {{0, 0, 0}, {0.09, 0.0436, 0}, {1, 0, 0}};
+    static const double ANGLE[3] = {-20, 20, -20.1};
+    test_rng rng = test_seed(119);
+    test_problem p;
+    rigcal_search s;
+    test_random_problem(&p, &rng, 3, TEST_GENERAL);
+    p.camera = test_pinhole();
+    for (int i = 0; i < 3; i++) {
+        test_to_real(p.o[i].X_w, X[i], 3);
+        p.o[i].uv[0] = RC(D(p.camera.cx) + D(p.camera.fx) * tan(ANGLE[i] * TEST_PI / 180));
+        p.o[i].uv[1] = p.camera.cy + (i == 2);
+    }
+    begin(&s, &p);
+    while (s.point < 3) {
+        TEST_ASSERT_EQUAL_INT32(RC_SEEDS_BUSY, rc_seeds_step(&s));
+    }
+    assert_best_of_lattice(&s);
+    TEST_ASSERT_EQUAL_INT(0, s.n_roots);
+    TEST_ASSERT_EQUAL_INT32(RC_SEEDS_START, next_start(&s));
+}
+
 /* ---- triples --------------------------------------------------------------------- */
 
 /* A fisheye in the middle of its points, which are in all directions up to 110 degrees off
@@ -988,6 +1016,7 @@ TEST_MAIN()
     RUN_TEST(test_a_flat_target_seen_head_on_has_starts_that_lean);
     RUN_TEST(test_few_points_of_a_flat_target_have_a_start_that_leans);
     RUN_TEST(test_all_poses_of_three_points_are_starts);
+    RUN_TEST(test_three_points_without_a_pose_begin_with_the_lattice);
     RUN_TEST(test_rays_all_around_start_from_triples_among_which_is_the_pose);
     RUN_TEST(test_how_far_off_the_axis_triples_are_taken);
     RUN_TEST(test_a_pixel_of_rays_all_around_that_has_none_is_told_before_a_start);

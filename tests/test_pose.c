@@ -214,6 +214,25 @@ static void test_any_lens_is_solved_end_to_end(void)
     }
 }
 
+/* A search among rays all around starts from the poses of three points. If the best that
+ * came of the first two triples fits badly, others are tried. Noise of 8 degrees spoils some
+ * of the first. */
+static void test_rays_all_around_are_solved_by_more_triples_where_the_first_are_bad(void)
+{
+    test_rng rng = test_seed(131);
+
+    for (int trial = 0; trial < TEST_TRIALS(200); trial++) {
+        test_problem p;
+        double R[9];
+
+        test_surrounded_problem(&p, &rng, 17);
+        test_add_noise(&p, &rng, 16);
+        TEST_ASSERT_TRUE(test_solve_pose(&p, NULL) >= 0);
+        test_transform_parts(R, NULL, &p.poses[0].cam_from_world);
+        TEST_ASSERT_TRUE(test_angle_between(R, p.scene.R) < 0.5);
+    }
+}
+
 /* The scene as a whole is turned to 60 to 110 degrees off the axis of a fisheye. */
 static void test_a_fisheye_sees_the_target_beyond_90_degrees(void)
 {
@@ -1302,6 +1321,7 @@ TEST_MAIN()
     RUN_TEST(test_a_square_exactly_from_the_front_is_solved);
     RUN_TEST(test_any_lens_is_solved_end_to_end);
     RUN_TEST(test_a_fisheye_sees_the_target_beyond_90_degrees);
+    RUN_TEST(test_rays_all_around_are_solved_by_more_triples_where_the_first_are_bad);
     RUN_TEST(test_a_national_grid_costs_double_nothing_and_float_refuses_it);
     RUN_TEST(test_general_points_with_noise_give_the_global_minimum);
     RUN_TEST(test_four_general_points_seldom_miss_it);

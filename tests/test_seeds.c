@@ -615,36 +615,6 @@ static void test_three_points_without_a_pose_begin_with_the_lattice(void)
 
 /* ---- triples --------------------------------------------------------------------- */
 
-/* A fisheye in the middle of its points, which are in all directions up to 110 degrees off
- * the axis. */
-static void surrounded(test_problem *p, int n, test_rng *rng)
-{
-    p->camera = test_pinhole();
-    p->camera.lens = RIGCAL_LENS_FISHEYE;
-    p->camera.fx = p->camera.fy = 120;
-    p->scene.n = n;
-    p->use_sigma = 0;
-    test_random_rotation(p->scene.R, rng);
-    for (int k = 0; k < 3; k++) {
-        p->scene.t[k] = test_uniform(rng, -0.2, 0.2);
-    }
-    for (int i = 0; i < n; i++) {
-        const double way = 2.4 * i, off = 0.5 + 1.4 * (i + 0.5) / n;
-        const double range = test_uniform(rng, 1, 2);
-        const double X_c[3] = {range * sin(off) * cos(way), range * sin(off) * sin(way),
-                               range * cos(off)};
-        double uv[2], from[3], back[9], X[3];
-        test_project_px(uv, &p->camera, X_c);
-        test_to_real(p->o[i].uv, uv, 2);
-        for (int k = 0; k < 3; k++) {
-            from[k] = X_c[k] - p->scene.t[k];
-        }
-        test_transpose(back, p->scene.R);
-        test_apply(X, back, from, NULL);
-        test_to_real(p->o[i].X_w, X, 3);
-    }
-}
-
 static void test_rays_all_around_start_from_triples_among_which_is_the_pose(void)
 {
     test_rng rng = test_seed(101);
@@ -652,7 +622,7 @@ static void test_rays_all_around_start_from_triples_among_which_is_the_pose(void
         test_problem p;
         rigcal_search s;
         double nearest = 10;
-        surrounded(&p, 4 + trial % 12, &rng);
+        test_surrounded_problem(&p, &rng, 4 + trial % 12);
         begin(&s, &p);
         TEST_ASSERT_EQUAL_INT32(RC_SEEDS_START, next_start(&s));
         TEST_ASSERT_TRUE(s.is_wide);
@@ -673,7 +643,7 @@ static void test_how_far_off_the_axis_triples_are_taken(void)
         const double off = DEGREES[trial / 2];
         test_problem p;
         rigcal_search s;
-        surrounded(&p, 12, &rng);
+        test_surrounded_problem(&p, &rng, 12);
         p.camera.lens = (trial % 2) ? RIGCAL_LENS_FISHEYE : RIGCAL_LENS_BROWN;
         for (int i = 0; i < 12; i++) {
             const double way = TEST_PI / 6 * i, out = off * TEST_PI / 180;
@@ -710,7 +680,7 @@ static void test_a_pixel_of_rays_all_around_that_has_none_is_told_before_a_start
     for (int unseen = 0; unseen < 8; unseen++) {
         test_problem p;
         rigcal_search s;
-        surrounded(&p, 8, &rng);
+        test_surrounded_problem(&p, &rng, 8);
         p.o[unseen].uv[0] = RC(320 + 120 * 3.2);
         p.o[unseen].uv[1] = 240;
         begin(&s, &p);
@@ -728,7 +698,7 @@ static void test_a_triple_is_spread_over_the_order_of_the_points(void)
         test_problem p;
         rigcal_search s;
         int32_t triples = 0;
-        surrounded(&p, n, &rng);
+        test_surrounded_problem(&p, &rng, n);
         begin(&s, &p);
         while (rc_seeds_step(&s) != RC_SEEDS_TRIPLE_SPENT) {
             if (s.triples > triples) {
@@ -754,7 +724,7 @@ static void test_all_poses_of_each_triple_are_starts(void)
         int n_starts = 0, n_poses = 0;
         test_problem p;
         rigcal_search s;
-        surrounded(&p, 12, &rng);
+        test_surrounded_problem(&p, &rng, 12);
         begin(&s, &p);
         while (came != RC_SEEDS_TRIPLE_SPENT) {
             came = rc_seeds_step(&s);
@@ -781,7 +751,7 @@ static void test_triples_are_of_different_points_and_six_at_most(void)
         unsigned used = 0;
         int n_used = 0;
         int32_t came = RC_SEEDS_BUSY, triples = 0;
-        surrounded(&p, n, &rng);
+        test_surrounded_problem(&p, &rng, n);
         begin(&s, &p);
         while (came != RC_SEEDS_TRIPLE_SPENT) { /* nothing is found */
             came = rc_seeds_step(&s);
@@ -809,7 +779,7 @@ static void test_after_a_pose_two_triples_are_enough(void)
     test_rng rng = test_seed(103);
     test_problem p;
     rigcal_search s;
-    surrounded(&p, 12, &rng);
+    test_surrounded_problem(&p, &rng, 12);
     begin(&s, &p);
     TEST_ASSERT_EQUAL_INT32(RC_SEEDS_START, next_start(&s));
     keep(&s, p.scene.R, p.scene.t, 0);

@@ -532,9 +532,14 @@ static void test_arguments_of_the_mean_are_checked(void)
     const rigcal_transform two[2] = {NOTHING, NOTHING};
     const rigcal_real none[2] = {0, 0}, negative[2] = {2, -1};
     const rigcal_real odd[2] = {1, TEST_NAN}, endless[2] = {TEST_INF, 1};
+    const rigcal_real most[2] = {RC(TOL(1e30, 1e9)), 1};
+    const rigcal_real beyond[2] = {1, RC(TOL(1.01e30, 1.01e9))};
     rigcal_transform mean, bad[2];
     rigcal_real a, b;
 
+    ASSERT_STATUS(RIGCAL_OK, rigcal_transform_mean(&mean, &a, &b, two, most, 2));
+    ASSERT_REFUSED(RIGCAL_ERR_RANGE, mean,
+                   rigcal_transform_mean(&mean, &a, &b, two, beyond, 2));
     ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_transform_mean(NULL, &a, &b, two, NULL, 2));
     ASSERT_REFUSED(RIGCAL_ERR_NULL, mean,
                    rigcal_transform_mean(&mean, &a, &b, NULL, NULL, 2));

@@ -690,7 +690,7 @@ static void test_a_pixel_of_rays_all_around_that_has_none_is_told_before_a_start
 }
 
 /* A triple is spread over the points' order, which goes round: between two of its points
- * lie at least a quarter of all, or nearly so. */
+ * lie at least five sixteenths of all, or nearly so. */
 static void test_a_triple_is_spread_over_the_order_of_the_points(void)
 {
     test_rng rng = test_seed(109);
@@ -704,7 +704,7 @@ static void test_a_triple_is_spread_over_the_order_of_the_points(void)
             if (s.triples > triples) {
                 const int32_t *const i = s.work.triple.index;
                 for (int k = 0; k < 3; k++) {
-                    TEST_ASSERT_GREATER_OR_EQUAL_INT(n / 4,
+                    TEST_ASSERT_GREATER_OR_EQUAL_INT(n / 4 + n / 16,
                                                      (i[(k + 1) % 3] - i[k] + n) % n);
                 }
                 triples = s.triples;
@@ -741,14 +741,14 @@ static void test_all_poses_of_each_triple_are_starts(void)
 }
 
 /* Each triple has three different points. Together they have all of 8 points; with more
- * points at least as many. */
+ * points at least as many. No triple comes twice if there are 6 points or more. */
 static void test_triples_are_of_different_points_and_six_at_most(void)
 {
     test_rng rng = test_seed(102);
     for (int n = 4; n <= 20; n++) {
         test_problem p;
         rigcal_search s;
-        unsigned used = 0;
+        unsigned used = 0, triple[6] = {0};
         int n_used = 0;
         int32_t came = RC_SEEDS_BUSY, triples = 0;
         test_surrounded_problem(&p, &rng, n);
@@ -757,10 +757,15 @@ static void test_triples_are_of_different_points_and_six_at_most(void)
             came = rc_seeds_step(&s);
             if (s.triples > triples) {
                 const int32_t *const i = s.work.triple.index;
+                TEST_ASSERT_LESS_THAN_INT(6, triples);
                 TEST_ASSERT_TRUE(i[0] != i[1] && i[1] != i[2] && i[0] != i[2]);
                 for (int k = 0; k < 3; k++) {
                     TEST_ASSERT_TRUE(i[k] >= 0 && i[k] < n);
-                    used |= 1u << i[k];
+                    triple[triples] |= 1u << i[k];
+                }
+                used |= triple[triples];
+                for (int32_t before = 0; before < triples && n >= 6; before++) {
+                    TEST_ASSERT_TRUE(triple[before] != triple[triples]);
                 }
                 triples = s.triples;
             }

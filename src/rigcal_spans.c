@@ -334,11 +334,17 @@ static void close_way(rigcal_spans_solver *s, int way)
 {
     const rigcal_border_end *const from = &s->corners[0][way];
     const rigcal_border_end *const to = &s->corners[1][way];
-    rigcal_real stop[2];
+    rigcal_real stop[2], back[2];
     s->way = way;
     if (from->is_of_range && to->is_of_range) {
-        if (!cross_band(stop, s, 0)) {
-            add_line(s, stop, to->uv);
+        if (!cross_band(stop, s, 0)) { /* the part behind the lens's end, if one is seen */
+            if (rc_edge_pixel(back, &s->edge, s->ends[way], to->height) != RIGCAL_OK) {
+                back[0] = to->uv[0];
+                back[1] = to->uv[1];
+            } else {
+                (void)cross_band(back, s, 1);
+            }
+            add_line(s, stop, back);
         }
     } else if (from->is_of_range) {
         (void)cross_band(stop, s, 0);

@@ -338,13 +338,12 @@ static void close_way(rigcal_spans_solver *s, int way)
     s->way = way;
     if (from->is_of_range && to->is_of_range) {
         if (!cross_band(stop, s, 0)) { /* the part behind the lens's end, if one is seen */
-            if (rc_edge_pixel(back, &s->edge, s->ends[way], to->height) != RIGCAL_OK) {
-                back[0] = to->uv[0];
-                back[1] = to->uv[1];
-            } else {
+            const int is_seen =
+                rc_edge_pixel(back, &s->edge, s->ends[way], to->height) == RIGCAL_OK;
+            if (is_seen) {
                 (void)cross_band(back, s, 1);
             }
-            add_line(s, stop, back);
+            add_line(s, stop, is_seen ? back : to->uv);
         }
     } else if (from->is_of_range) {
         (void)cross_band(stop, s, 0);

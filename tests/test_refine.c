@@ -719,8 +719,8 @@ static void test_a_part_without_a_step_is_left_out(void)
 #endif
 }
 
-/* The points are seen exactly from t = (0, 0, 4). From 4.4 a step of Newton's by any of them
- * goes most of the way. */
+/* The points are seen exactly from t = (0, 0, 4). From 4.4 a step of Newton's by any of
+ * them goes most of the way. */
 static void test_a_first_step_by_a_part_goes_most_of_the_way(void)
 {
 #if RIGCAL_FOR_SPEED

@@ -1323,8 +1323,8 @@ static int steps_of(rigcal_robust_solver *solver, problem *p, int n, int32_t max
     return steps;
 }
 
-/* Triples alone count against the most units: where a search has ended within them, it takes
- * as many steps whatever is left, with the ray of each point at last once. */
+/* Triples alone count against the most units: where a search has ended within them, it
+ * takes as many steps whatever is left, with the ray of each point at last once. */
 static void test_units_that_a_search_has_left_change_nothing(void)
 {
     test_rng rng = test_seed(31);

@@ -120,8 +120,8 @@ static void assert_no_ray(const double c[4], double at)
 }
 
 /* These lenses turn back. What is farther out than the place where they do so has no ray,
- * although some of them come there again, on the other side of the axis or after they turned
- * once more. A short search may end at such a place, above all if its first step does. */
+ * although some of them come there again, on the other side of the axis or after they
+ * turned once more. A short search may end there, above all if its first step does. */
 static void test_a_ray_is_not_found_beyond_where_a_lens_turns_back(void)
 {
     enum { PLACES = 200, STEPS = 4000 };

@@ -547,8 +547,8 @@ static void test_bands_of_a_large_image_are_as_accurate(void)
     TEST_ASSERT_TRUE(TEST_ONE_IN > 1 || seen.of_range > 20);
 }
 
-/* The same pinhole twice, moved by 1 across its axis in 24 directions. The line passes the
- * axis at any distance, and the band is up to half of `reach` wide on each side: its borders
+/* The same pinhole twice, moved across its axis in 24 directions. The line passes the axis
+ * at any distance, and the band is up to half of `reach` wide on each side: its borders
  * leave the image at other places and are joined outside it. Points 1 away are `reach` px
  * from where they are infinitely far. The focal length is `times` that. */
 static void look_in_all_directions(int trials, double times)

@@ -734,7 +734,7 @@ static void assert_best(const test_views *v, const rigcal_point *point)
 }
 
 /* Whether the point nearest to all rays is in front of all cameras: X of
- * sum (I - d d^T) (X - o) = 0, for rays from o along the unit vector d, by Cramer's rule. */
+ * sum (I - d d^T) (X - o) = 0, for rays from o along the unit vector d, by Cramer. */
 static int is_nearest_in_front(const test_views *v)
 {
     double A[9] = {0}, b[3] = {0}, X[3], X_c[3];
@@ -774,8 +774,8 @@ static int is_nearest_in_front(const test_views *v)
     return 1;
 }
 
-/* The rays are far from meeting. So a search takes long, or goes away to infinity. It begins
- * at the point nearest to the rays, and does not go behind a camera from there. */
+/* The rays are far from meeting. So a search takes long, or goes away to infinity. It
+ * begins at the point nearest to the rays, and does not go behind a camera from there. */
 static void test_no_point_near_one_of_wild_views_is_better(void)
 {
     test_rng rng = test_seed(57);

@@ -558,8 +558,8 @@ static void test_points_are_the_same_up_to_eight_roundings(void)
     ASSERT_STATUS(RIGCAL_OK, rigcal_pair_make(&pair, s, 3, 1, 2));
 }
 
-/* The sine of the angle between (0, 0, 1) and (x, 0, 1) is x, for an x whose square is below
- * the rounding of 1. */
+/* The sine of the angle between (0, 0, 1) and (x, 0, 1) is x, for an x whose square is
+ * below the rounding of 1. */
 static void test_rays_are_the_same_up_to_eight_roundings(void)
 {
     const rigcal_real eps = RC(TOL(2.220446049250313e-16, 1.1920928955078125e-7));

@@ -215,8 +215,8 @@ static void test_any_lens_is_solved_end_to_end(void)
 }
 
 /* A search among rays all around starts from the poses of three points. If the best that
- * came of the first two triples fits badly, others are tried. Noise of 8 degrees spoils some
- * of the first. */
+ * came of the first two triples fits badly, others are tried. Noise of 8 degrees spoils
+ * some of the first. */
 static void test_rays_all_around_are_solved_by_more_triples_where_the_first_are_bad(void)
 {
     test_rng rng = test_seed(131);

@@ -217,7 +217,6 @@ void rc_neldermead_tell(rigcal_neldermead *nm, rigcal_real cost)
         break;
     }
     if (nm->phase != DONE && nm->evals >= nm->max_evals) {
-        sort_vertices(nm);
         nm->phase = DONE;
         nm->status = RIGCAL_BUDGET_SPENT;
     }

@@ -27,16 +27,14 @@ static int is_mild(const rigcal_camera *c, const rigcal_real x[2])
     return radial + 6 * (RC_FABS(c->p1) + RC_FABS(c->p2)) * RC_SQRT(s) < 1;
 }
 
-/* Finds x with F(x) = target for such a lens. Returns 0 if it needs a more careful
- * search. */
+/* Finds x with F(x) = target for such a lens. x is the target at first. Returns 0 if it
+ * needs a more careful search. */
 static int find_mild(rigcal_real x[2], const rigcal_camera *c, const rigcal_real target[2])
 {
     const rigcal_real denominator = RC_FABS(c->k4) + RC_FABS(c->k5) + RC_FABS(c->k6);
     if (rc_lens_is_fisheye(c) || denominator > 0) {
         return 0;
     }
-    x[0] = target[0];
-    x[1] = target[1];
     for (int i = 0; i < RAY_STEPS && is_mild(c, x); i++) {
         rigcal_real F[2], J[3];
         (void)rc_lens_map(F, J, c, x);

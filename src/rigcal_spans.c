@@ -334,11 +334,16 @@ static void close_way(rigcal_spans_solver *s, int way)
 {
     const rigcal_border_end *const from = &s->corners[0][way];
     const rigcal_border_end *const to = &s->corners[1][way];
-    rigcal_real stop[2];
+    rigcal_real stop[2], back[2];
     s->way = way;
     if (from->is_of_range && to->is_of_range) {
-        if (!cross_band(stop, s, 0)) {
-            add_line(s, stop, to->uv);
+        if (!cross_band(stop, s, 0)) { /* the part behind the lens's end, if one is seen */
+            const int is_seen =
+                rc_edge_pixel(back, &s->edge, s->ends[way], to->height) == RIGCAL_OK;
+            if (is_seen) {
+                (void)cross_band(back, s, 1);
+            }
+            add_line(s, stop, is_seen ? back : to->uv);
         }
     } else if (from->is_of_range) {
         (void)cross_band(stop, s, 0);

@@ -2,6 +2,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "rc_real.h"
 #include "test_bands.h"
 
 enum { CANDIDATES = 300, ROOM = 12 };
@@ -155,6 +156,29 @@ static void test_a_candidate_that_is_no_number_is_named(void)
     TEST_ASSERT_EQUAL_INT32(17, at_fault);
 }
 
+/* Candidates and room are counted up to 2^28 where a size_t is wide enough. */
+static void test_there_is_room_for_at_most_2_to_the_28_matches(void)
+{
+    static const rigcal_real at[2] = {25, RC(20.2)};
+    const size_t most = RC_COUNT_MAX;
+    rigcal_match match;
+    size_t written, inside;
+
+    if (RC_COUNT_MAX == SIZE_MAX) {
+        TEST_IGNORE_MESSAGE("a size_t of 16 bits has no number that is too large");
+    }
+    make_beside();
+    ASSERT_STATUS(RIGCAL_OK,
+                  rigcal_band_search(&match, most, &written, &inside, NULL, &band, at, 1));
+    TEST_ASSERT_EQUAL_UINT64(1, written);
+    ASSERT_REFUSED(
+        RIGCAL_ERR_RANGE, match,
+        rigcal_band_search(&match, most + 1, &written, &inside, NULL, &band, at, 1));
+    ASSERT_REFUSED(
+        RIGCAL_ERR_RANGE, match,
+        rigcal_band_search(&match, 1, &written, &inside, NULL, &band, at, most + 1));
+}
+
 /* ---- the curve ------------------------------------------------------------- */
 
 /* To first order, its points are on the line, and its borders at k standard deviations. */
@@ -274,6 +298,7 @@ TEST_MAIN()
     RUN_TEST(test_the_nearest_to_the_line_is_best);
     RUN_TEST(test_of_equal_candidates_the_first_stays);
     RUN_TEST(test_a_candidate_that_is_no_number_is_named);
+    RUN_TEST(test_there_is_room_for_at_most_2_to_the_28_matches);
     RUN_TEST(test_the_curve_is_the_line_and_its_borders_the_band);
     RUN_TEST(test_the_curve_runs_from_near_to_far);
     RUN_TEST(test_a_curve_to_infinity_ends_at_the_ray);

@@ -1072,20 +1072,26 @@ static void test_of_equal_points_that_of_the_least_misfit_wins(void)
 
 /* View 2 is midway between views 0 and 1, and d pixels off, along u or v. View 3 is wrong.
  * The mean of two views has half the variance of one, so view 2 agrees if d^2 < 9.21 (1 +
- * 1/2) noise^2: 3.717 deviations. */
+ * 1/2) noise^2: 3.717 deviations. If the rig's views differ by more than noise, sqrt(F)
+ * times that square is allowed. An F below 1 narrows no limit. */
 static void test_the_limit_of_agreement_counts_the_noise_of_both(void)
 {
+    static const double F[4] = {0.5, 1, 1.5, 9};
+
     WANTS_RIG;
-    for (int k = 0; k < 4; k++) {
+    for (int k = 0; k < 16; k++) {
+        const double wider = sqrt(sqrt(fmax(1, F[k / 4])));
+
         clear(4, 4);
         m.rig.sigma_px = 0;
+        m.rig.F = RC(F[k / 4]);
         look(0, -1, 0, 0, 0);
         look(1, 1, 0, 0, 0);
         look(2, 0, 0, 0, 0);
         look(3, 0.5, 0, 0, 0);
         m.seen[0].uv[0] += 80; /* 10 ahead */
         m.seen[1].uv[0] -= 80;
-        m.seen[2].uv[k / 2] += RC(NOISE * (k % 2 ? 3.8 : 3.63));
+        m.seen[2].uv[k / 2 % 2] += RC(NOISE * wider * (k % 2 ? 3.8 : 3.63));
         m.seen[3].uv[0] -= 40;
         m.seen[3].uv[1] += 100;
         const rigcal_status status = rigcal_point_measure(&point, NULL, &m.s);

@@ -631,6 +631,36 @@ static void test_three_pairings_that_are_one(void)
     }
 }
 
+/* At these corners two solutions are one, and its equations have no rounding in double. It
+ * is one pose, as each other solution is. */
+static void test_a_double_solution_of_whole_coordinates_is_one_pose(void)
+{
+    static const double Y[3][3][3] = {{{2, -1, 1}, {0, 0, 1}, {0, 2, 1}},
+                                      {{2, 0, 2}, {0, 1, 1}, {-1, 1, 1}},
+                                      {{1, -1, 1}, {0, 2, 2}, {1, 0, 1}}};
+    static const double NOWHERE[3] = {0, 0, 0};
+
+    for (int n = 0; n < 3; n++) {
+        scene s;
+
+        memcpy(s.X, Y[n], sizeof s.X);
+        memcpy(s.t, NOWHERE, sizeof s.t);
+        test_rotation(s.R, 0, 0, 0);
+        observe(&s);
+        (void)solve(&s);
+        TEST_ASSERT_TRUE(least_error(&s) < 4 * sqrt(EPS));
+        for (int i = 0; i < s.count && !RIGCAL_USE_FLOAT; i++) {
+            for (int j = 0; j < i; j++) {
+                double there[3], here[3];
+
+                depths(there, &s, i);
+                depths(here, &s, j);
+                TEST_ASSERT_TRUE(between(there, here) > 0.01);
+            }
+        }
+    }
+}
+
 /* Units, origin and order of the points have no effect. */
 static void test_units_origin_and_order_do_not_matter(void)
 {
@@ -873,6 +903,7 @@ TEST_MAIN()
     RUN_TEST(test_half_a_square_seen_head_on_or_aslant);
     RUN_TEST(test_whole_coordinates);
     RUN_TEST(test_three_pairings_that_are_one);
+    RUN_TEST(test_a_double_solution_of_whole_coordinates_is_one_pose);
     RUN_TEST(test_units_origin_and_order_do_not_matter);
     RUN_TEST(test_rays_may_point_anywhere);
     RUN_TEST(test_points_on_a_line_or_together_have_none);

@@ -558,6 +558,21 @@ static void test_points_are_the_same_up_to_eight_roundings(void)
     ASSERT_STATUS(RIGCAL_OK, rigcal_pair_make(&pair, s, 3, 1, 2));
 }
 
+/* The sine of the angle between (0, 0, 1) and (x, 0, 1) is x, for an x whose square is
+ * below the rounding of 1. */
+static void test_rays_are_the_same_up_to_eight_roundings(void)
+{
+    const rigcal_real eps = RC(TOL(2.220446049250313e-16, 1.1920928955078125e-7));
+    rigcal_bearing s[2] = {{{0, 0, 0}, {0, 0, 1}}, {{1, 0, 0}, {8 * eps, 0, 1}}};
+    rigcal_pair pair;
+
+    ASSERT_REFUSED(RIGCAL_ERR_COINCIDENT, pair, rigcal_pair_make(&pair, s, 2, 0, 1));
+    ASSERT_REFUSED(RIGCAL_ERR_COINCIDENT, pair, rigcal_pair_make(&pair, s, 2, 1, 0));
+    s[1].ray[0] = 9 * eps;
+    ASSERT_STATUS(RIGCAL_OK, rigcal_pair_make(&pair, s, 2, 0, 1));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_pair_make(&pair, s, 2, 1, 0));
+}
+
 /* Coordinates whose rounding is 1e-4 of the length of 1, to the last bit, still do. */
 static void test_the_digits_that_a_target_needs(void)
 {
@@ -952,6 +967,7 @@ TEST_MAIN()
     RUN_TEST(test_there_are_at_most_four_pairs_of_2_to_the_28_points);
     RUN_TEST(test_vectors_of_pairs_are_units);
     RUN_TEST(test_points_are_the_same_up_to_eight_roundings);
+    RUN_TEST(test_rays_are_the_same_up_to_eight_roundings);
     RUN_TEST(test_the_digits_that_a_target_needs);
     RUN_TEST(test_points_in_one_place_are_told_before_rays_in_a_plane);
 }

@@ -1198,6 +1198,25 @@ static void test_a_solver_with_a_phase_out_of_range_is_refused(void)
     ASSERT_STATUS(RIGCAL_ERR_STATE, rigcal_paper_step(&solver, 1));
 }
 
+/* Whatever else is wrong: here there are also two points alone. */
+static void test_an_argument_that_is_missing_is_told_first(void)
+{
+    test_rng rng = test_seed(54);
+    rigcal_paper_solver solver;
+    test_scene scene;
+
+    test_scene_random(&scene, &rng, 6, TEST_GENERAL);
+    see(&scene);
+    ASSERT_STATUS(RIGCAL_ERR_NULL,
+                  rigcal_paper_begin(NULL, bearings, 2, pairs, n_pairs, NULL));
+    ASSERT_REFUSED(RIGCAL_ERR_NULL, solver,
+                   rigcal_paper_begin(&solver, NULL, 2, pairs, n_pairs, NULL));
+    ASSERT_REFUSED(RIGCAL_ERR_NULL, solver,
+                   rigcal_paper_begin(&solver, bearings, 2, NULL, n_pairs, NULL));
+    ASSERT_REFUSED(RIGCAL_ERR_TOO_FEW, solver,
+                   rigcal_paper_begin(&solver, bearings, 2, pairs, n_pairs, NULL));
+}
+
 /* One pair, given three times, fixes no angle: the equations are singular for all values of
  * the other angles. */
 static void test_equations_that_are_singular_everywhere_give_no_pose(void)
@@ -1252,5 +1271,6 @@ TEST_MAIN()
     RUN_TEST(test_three_angles_are_not_searched_without_a_guess);
     RUN_TEST(test_a_mirrored_target_does_not_fit);
     RUN_TEST(test_a_solver_with_a_phase_out_of_range_is_refused);
+    RUN_TEST(test_an_argument_that_is_missing_is_told_first);
     RUN_TEST(test_equations_that_are_singular_everywhere_give_no_pose);
 }

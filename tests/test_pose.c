@@ -4,6 +4,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "rc_pose.h"
 #include "test_problem.h"
 #include "vectors_camera.h"
 
@@ -210,6 +211,25 @@ static void test_any_lens_is_solved_end_to_end(void)
         TEST_ASSERT_TRUE_MESSAGE(test_solve_pose(&p, NULL) >= 0, "refused");
         assert_honest(&p, NULL);
         assert_right(&p, TOL(1, 2));
+    }
+}
+
+/* A search among rays all around starts from the poses of three points. If the best that
+ * came of the first two triples fits badly, others are tried. Noise of 8 degrees spoils
+ * some of the first. */
+static void test_rays_all_around_are_solved_by_more_triples_where_the_first_are_bad(void)
+{
+    test_rng rng = test_seed(131);
+
+    for (int trial = 0; trial < TEST_TRIALS(200); trial++) {
+        test_problem p;
+        double R[9];
+
+        test_surrounded_problem(&p, &rng, 17);
+        test_add_noise(&p, &rng, 16);
+        TEST_ASSERT_TRUE(test_solve_pose(&p, NULL) >= 0);
+        test_transform_parts(R, NULL, &p.poses[0].cam_from_world);
+        TEST_ASSERT_TRUE(test_angle_between(R, p.scene.R) < 0.5);
     }
 }
 
@@ -857,6 +877,39 @@ static void test_three_points_give_all_their_poses(void)
     TEST_ASSERT_TRUE(inexact < TRIALS / 20);
 }
 
+/* A layer that builds on the solver may drop any pose. The others stay, in their order. */
+static void test_of_several_poses_any_may_be_dropped(void)
+{
+    enum { TRIALS = TEST_TRIALS(200) };
+    test_rng rng = test_seed(130);
+    int four = 0;
+
+    for (int trial = 0; trial < TRIALS; trial++) {
+        test_problem p;
+        rigcal_pose_solver solver, one_less;
+        rigcal_transform kept, there;
+
+        test_random_problem(&p, &rng, 3, TEST_GENERAL);
+        ASSERT_STATUS(RIGCAL_OK, rigcal_pose_begin(&solver, NULL, &VIEW_OF(&p), NULL));
+        while (rigcal_pose_step(&solver, 100) == RIGCAL_RUNNING) {
+        }
+        const int32_t n = rc_pose_n_found(&solver);
+
+        for (int32_t dropped = 0; dropped < n; dropped++) {
+            one_less = solver;
+            rc_pose_drop(&one_less, dropped);
+            TEST_ASSERT_EQUAL_INT32(n - 1, rc_pose_n_found(&one_less));
+            for (int32_t i = 0; i < n - 1; i++) {
+                rc_pose_found(&there, &solver, i + (i >= dropped));
+                rc_pose_found(&kept, &one_less, i);
+                TEST_ASSERT_EQUAL_MEMORY(&there, &kept, sizeof kept);
+            }
+        }
+        four += n == 4;
+    }
+    TEST_ASSERT_TRUE(four > 0 || TEST_ONE_IN > 1);
+}
+
 /* Two poses of three points that noise made complex give one minimum. */
 static void test_three_noisy_points_are_solved(void)
 {
@@ -1268,6 +1321,7 @@ TEST_MAIN()
     RUN_TEST(test_a_square_exactly_from_the_front_is_solved);
     RUN_TEST(test_any_lens_is_solved_end_to_end);
     RUN_TEST(test_a_fisheye_sees_the_target_beyond_90_degrees);
+    RUN_TEST(test_rays_all_around_are_solved_by_more_triples_where_the_first_are_bad);
     RUN_TEST(test_a_national_grid_costs_double_nothing_and_float_refuses_it);
     RUN_TEST(test_general_points_with_noise_give_the_global_minimum);
     RUN_TEST(test_four_general_points_seldom_miss_it);
@@ -1290,6 +1344,7 @@ TEST_MAIN()
     RUN_TEST(test_a_wrong_start_falls_back_to_the_whole_search);
     RUN_TEST(test_three_points_give_all_their_poses);
     RUN_TEST(test_three_noisy_points_are_solved);
+    RUN_TEST(test_of_several_poses_any_may_be_dropped);
     RUN_TEST(test_two_points_are_too_few);
     RUN_TEST(test_targets_that_fix_no_pose_are_named);
     RUN_TEST(test_a_plane_seen_edge_on_is_refused_or_right);

@@ -719,6 +719,24 @@ static void test_a_part_without_a_step_is_left_out(void)
 #endif
 }
 
+/* The points are seen exactly from t = (0, 0, 4). From 4.4 a step of Newton's by any of
+ * them goes most of the way. */
+static void test_a_first_step_by_a_part_goes_most_of_the_way(void)
+{
+#if RIGCAL_FOR_SPEED
+    rigcal_observation o[MANY];
+    rigcal_refinement state;
+    problem p;
+
+    p.camera = test_pinhole();
+    many(&p, o);
+    begin_at(&state, &p, 4.4);
+    rc_refine_step(&state, &p.points, EVALS_MAX);
+    TEST_ASSERT_FALSE(state.is_part);
+    ASSERT_NEAR(4, state.cam_from_points.t[2], 0.1);
+#endif
+}
+
 static void test_of_a_fisheye_all_points_make_the_first_step(void)
 {
     rigcal_observation o[MANY];
@@ -753,5 +771,6 @@ TEST_MAIN()
     RUN_TEST(test_points_on_a_line_leave_the_equations_singular);
     RUN_TEST(test_a_start_that_the_lens_does_not_see_is_told);
     RUN_TEST(test_a_part_without_a_step_is_left_out);
+    RUN_TEST(test_a_first_step_by_a_part_goes_most_of_the_way);
     RUN_TEST(test_of_a_fisheye_all_points_make_the_first_step);
 }

@@ -1306,6 +1306,45 @@ static void test_a_unit_is_one_ray_or_those_of_a_pinhole(void)
     }
 }
 
+/* Counts the steps of one unit that a search takes. */
+static int steps_of(rigcal_robust_solver *solver, problem *p, int n, int32_t max_units)
+{
+    rigcal_robust_options options;
+    int steps = 1;
+
+    ASSERT_STATUS(RIGCAL_OK, rigcal_robust_defaults(&options));
+    options.max_units = max_units;
+    ASSERT_STATUS(RIGCAL_OK,
+                  rigcal_robust_begin(solver, p->inliers, NULL,
+                                      &VIEW(&p->camera, p->o, NULL, n), &options));
+    while (rigcal_robust_step(solver, 1) == RIGCAL_RUNNING) {
+        steps++;
+    }
+    return steps;
+}
+
+/* Triples alone count against the most units: where a search has ended within them, it
+ * takes as many steps whatever is left, with the ray of each point at last once. */
+static void test_units_that_a_search_has_left_change_nothing(void)
+{
+    test_rng rng = test_seed(31);
+    rigcal_robust_solver solver;
+    problem p;
+
+    make(&p, &rng, 12, TEST_GENERAL);
+    p.camera.k1 = RC(-0.01);
+    test_observations(p.o, &p.scene, &p.camera);
+    spoil(&p, &rng, 3, IN_THE_IMAGE);
+    const int steps = steps_of(&solver, &p, 12, 100000);
+    const int32_t spent = solver.units;
+
+    TEST_ASSERT_TRUE(spent > 0 && spent + 12 < steps);
+    for (int32_t left = 0; left <= 20; left++) {
+        TEST_ASSERT_EQUAL_INT(steps, steps_of(&solver, &p, 12, spent + left));
+        TEST_ASSERT_EQUAL_INT32(spent, solver.units);
+    }
+}
+
 /* The most units, one after the other, that a search spends on one pose that it scored. */
 static int most_units_of_a_pose(problem *p)
 {
@@ -1397,6 +1436,7 @@ TEST_MAIN()
     RUN_TEST(test_relative_noise_widens_the_threshold);
     RUN_TEST(test_the_threshold_is_that_stated);
     RUN_TEST(test_budgets_change_no_bit);
+    RUN_TEST(test_units_that_a_search_has_left_change_nothing);
     RUN_TEST(test_seed_and_samples_count);
     RUN_TEST(test_six_of_twenty_are_believed);
     RUN_TEST(test_nine_in_ten_may_be_wrong);

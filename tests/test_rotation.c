@@ -405,6 +405,39 @@ static void test_half_turns_have_quaternions_too(void)
     }
 }
 
+/* The quaternion is (w, a sqrt(1 - w^2)), its matrix the one of the textbook. Two parts of
+ * the axis are as large, and w is so small that its square is rounding. */
+static void test_nearly_half_turns_keep_the_digits_of_their_quaternions(void)
+{
+    static const double w[3] = {1e-3, 1e-6, 1e-9};
+
+    for (int i = 0; i < 3 * 12; i++) {
+        const int none = i / 4 % 3; /* the part that is 0 */
+        double q[4] = {w[i / 12], 0, 0, 0};
+        rigcal_real R[9], seen[4];
+
+        q[1 + (none + 1) % 3] = (i & 1) ? -sqrt(0.5) : sqrt(0.5);
+        q[1 + (none + 2) % 3] = (i & 2) ? -sqrt(0.5) : sqrt(0.5);
+        for (int k = 1; k < 4; k++) {
+            q[k] *= sqrt(1 - q[0] * q[0]);
+        }
+        for (int row = 0; row < 3; row++) {
+            for (int c = 0; c < 3; c++) {
+                const int third = 3 - row - c; /* where row and c differ */
+                const double turn = (c == (row + 1) % 3) ? -q[0] : q[0];
+
+                R[3 * row + c] =
+                    RC(row == c ? 2 * (q[0] * q[0] + q[1 + c] * q[1 + c]) - 1
+                                : 2 * (q[1 + row] * q[1 + c] + turn * q[1 + third]));
+            }
+        }
+        ASSERT_STATUS(RIGCAL_OK, rigcal_quaternion_from_rotation(seen, R));
+        for (int k = 0; k < 4; k++) {
+            ASSERT_NEAR(q[k], seen[k], TOL(1e-15, 5e-7));
+        }
+    }
+}
+
 static void test_a_quaternion_may_have_any_length_but_zero(void)
 {
     static const rigcal_real none[4] = {0, 0, 0, 0};
@@ -689,6 +722,7 @@ TEST_MAIN()
     RUN_TEST(test_quaternions_and_their_opposites_agree_with_scipy);
     RUN_TEST(test_a_unit_quaternion_comes_back_with_w_not_negative);
     RUN_TEST(test_half_turns_have_quaternions_too);
+    RUN_TEST(test_nearly_half_turns_keep_the_digits_of_their_quaternions);
     RUN_TEST(test_a_quaternion_may_have_any_length_but_zero);
     RUN_TEST(test_the_nearest_rotation_is_the_svds);
     RUN_TEST(test_the_nearest_to_a_scaled_rotation_is_that_rotation);

@@ -77,6 +77,92 @@ static void test_where_a_lens_images_nothing_the_ray_is_zero(void)
     }
 }
 
+/* A lens along a direction in which its tangential distortion acts:
+ * x + 3 p x^2 + k1 x^3 + k2 x^5 + k3 x^7, for c = p, k1, k2, k3, and its derivative. */
+static double image_of(double *slope, const double c[4], double x)
+{
+    const double x2 = x * x, x4 = x2 * x2;
+
+    *slope = 1 + 6 * c[0] * x + 3 * c[1] * x2 + 5 * c[2] * x4 + 7 * c[3] * x2 * x4;
+    return x * (1 + 3 * c[0] * x + c[1] * x2 + c[2] * x4 + c[3] * x2 * x4);
+}
+
+/* How far from `at` the lens images what one step of Newton's method from there finds. */
+static double miss_of_step(const double c[4], double at)
+{
+    double slope;
+    const double x = at + (at - image_of(&slope, c, at)) / slope;
+
+    return image_of(&slope, c, x) - at;
+}
+
+/* Looks at a place of the lens, in eight directions. It has no ray. */
+static void assert_no_ray(const double c[4], double at)
+{
+    rigcal_camera *const camera = &mounted.camera;
+
+    *camera = test_pinhole();
+    camera->k1 = RC(c[1]);
+    camera->k2 = RC(c[2]);
+    camera->k3 = RC(c[3]);
+    for (int k = 0; k < 8; k++) {
+        const double way[2] = {cos(k * TEST_PI / 4), sin(k * TEST_PI / 4)};
+
+        camera->p1 = RC(c[0] * way[1]);
+        camera->p2 = RC(c[0] * way[0]);
+        seen.uv[0] = RC(D(camera->cx) + at * way[0] * D(camera->fx));
+        seen.uv[1] = RC(D(camera->cy) + at * way[1] * D(camera->fy));
+        ASSERT_STATUS(RIGCAL_OK, rc_sight_check(&v, &s, 0));
+        for (int i = 0; i < 3; i++) {
+            ASSERT_NEAR(0, v.ray[i], 0);
+        }
+    }
+}
+
+/* These lenses turn back. What is farther out than the place where they do so has no ray,
+ * although some of them come there again, on the other side of the axis or after they
+ * turned once more. A short search may end there, above all if its first step does. */
+static void test_a_ray_is_not_found_beyond_where_a_lens_turns_back(void)
+{
+    enum { PLACES = 200, STEPS = 4000 };
+    static const double LENS[][4] = {
+        {-0.12, 0.04, 0, 0}, {-0.4, 0, 0, 0}, {-3, 0, 0, 0},     {-0.3, 0, 0.02, 0},
+        {-0.3, 0, 0, 0.002}, {0, -0.3, 0, 0}, {0, -4, 0, 0},     {0, -100, 0, 0},
+        {0, 0, -0.3, 0},     {0, 0, -30, 0},  {0, 0, -1e4, 0},   {0, 0, 0, -1e-3},
+        {0, 0, 0, -0.3},     {0, 0, 0, -100}, {0, 0, 0, -1e6},   {0, -1, 0.4, 0},
+        {0, -1, 0, 0.1},     {0, 0, -1, 0.5}, {0, -0.1, 4e-3, 0}};
+    static const double ypr[3] = {0, 0, 0}, t[3] = {0, 0, 0}, X[3] = {0, 0, 1};
+
+    see(CAMERA[0], ypr, t, X);
+    for (size_t l = 0; l < sizeof LENS / sizeof LENS[0]; l++) {
+        const double *const c = LENS[l];
+        double most = 0, slope = 1;
+
+        for (double x = 0; slope > 0; x += 1e-4) {
+            most = image_of(&slope, c, x);
+        }
+        for (int i = 0; i < TEST_TRIALS(PLACES); i++) {
+            assert_no_ray(c, most * (1.02 + 5.0 * i / PLACES));
+        }
+        for (int i = 0; i < TEST_TRIALS(STEPS); i++) {
+            double low = most * (1.02 + 5.0 * i / STEPS), high = low + most * 5 / STEPS;
+
+            if (miss_of_step(c, low) * miss_of_step(c, high) < 0) {
+                for (int k = 0; k < 40; k++) {
+                    const double middle = (low + high) / 2;
+
+                    if (miss_of_step(c, low) * miss_of_step(c, middle) < 0) {
+                        high = middle;
+                    } else {
+                        low = middle;
+                    }
+                }
+                assert_no_ray(c, low);
+            }
+        }
+    }
+}
+
 /* Near the place where a lens turns back, the short search ends too early, and the long one
  * continues. The lens is x - x^3 / 3, which turns back at 1. */
 static void test_a_ray_near_the_end_of_a_lens_is_found(void)
@@ -185,6 +271,7 @@ TEST_MAIN()
 {
     RUN_TEST(test_the_ray_points_to_what_was_seen);
     RUN_TEST(test_where_a_lens_images_nothing_the_ray_is_zero);
+    RUN_TEST(test_a_ray_is_not_found_beyond_where_a_lens_turns_back);
     RUN_TEST(test_a_ray_near_the_end_of_a_lens_is_found);
     RUN_TEST(test_a_point_beyond_the_lens_is_not_seen);
     RUN_TEST(test_a_point_across_the_image_is_seen);

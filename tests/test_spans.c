@@ -314,16 +314,21 @@ static void test_rows_may_come_in_any_order(void)
                   rigcal_spans_row(row, &n, &solver, band.camera_b.height));
 }
 
+/* Room for all spans and no more is enough. What was there before does not matter. */
 static void test_too_little_room_is_refused(void)
 {
+    static rigcal_span exact[SPANS_MAX];
     rigcal_band band;
     size_t n;
 
     wide_band(&band);
     const size_t all = find(&band);
 
-    ASSERT_STATUS(RIGCAL_OK, rigcal_spans_result(spans, all, &n, &solver));
+    FILL(exact);
+    ASSERT_STATUS(RIGCAL_OK, rigcal_spans_result(exact, all, &n, &solver));
     TEST_ASSERT_EQUAL_UINT64(all, n);
+    TEST_ASSERT_EQUAL_MEMORY(spans, exact, all * sizeof *exact);
+    ASSERT_UNTOUCHED(exact[all]);
     ASSERT_REFUSED(RIGCAL_ERR_CAPACITY, n,
                    rigcal_spans_result(spans, all - 1, &n, &solver));
 }

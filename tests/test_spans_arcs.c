@@ -547,40 +547,53 @@ static void test_bands_of_a_large_image_are_as_accurate(void)
     TEST_ASSERT_TRUE(TEST_ONE_IN > 1 || seen.of_range > 20);
 }
 
-/* The same pinhole twice, moved by 1 across its axis in 24 directions. The line passes the
- * axis at any distance, and the band is up to half a focal length wide on each side: its
- * borders leave the image at other places and are joined outside it. */
-static void test_bands_in_all_directions_are_joined_outside_the_image(void)
+/* The same pinhole twice, moved across its axis in 24 directions. The line passes the axis
+ * at any distance, and the band is up to half of `reach` wide on each side: its borders
+ * leave the image at other places and are joined outside it. Points 1 away are `reach` px
+ * from where they are infinitely far. The focal length is `times` that. */
+static void look_in_all_directions(int trials, double times)
 {
     enum { DIRECTIONS = 24 };
     static const double range[][2] = {{0.1, 0}, {1.5, 0}, {1, 3}};
     test_rng rng = test_seed(5800);
 
     is_promised = 1;
-    for (int i = 0; i < TEST_TRIALS(DIRECTIONS * 36); i++) {
+    for (int i = 0; i < trials; i++) {
         const double turn = (i % DIRECTIONS + 0.3) * 2 * TEST_PI / DIRECTIONS;
-        const double t[3] = {cos(turn), sin(turn), 0};
+        const double t[3] = {cos(turn) / times, sin(turn) / times, 0};
         const double aside = test_uniform(&rng, -75, 75),
                      along = test_uniform(&rng, -60, 60);
         const int of_range = i / DIRECTIONS % 3;
-        const double f = 20 << i / DIRECTIONS / 3 % 4; /* px */
+        const double reach = 20 << i / DIRECTIONS / 3 % 4; /* px */
         test_bands scene;
         rigcal_band band;
 
         memset(&scene, 0, sizeof scene);
-        test_bands_beside(&scene.pair, &scene.b, f * test_uniform(&rng, 0.02, 0.248), 2);
-        scene.b.fx = scene.b.fy = RC(f);
+        test_bands_beside(&scene.pair, &scene.b, reach * test_uniform(&rng, 0.02, 0.248),
+                          2);
+        scene.b.fx = scene.b.fy = RC(times * reach);
         scene.a = scene.b;
         scene.pair.b_from_a = test_transform(NULL, t);
         scene.pair.near_a = RC(range[of_range][0]);
         scene.pair.far_a = RC(range[of_range][1]);
-        scene.uv_a[0] = RC(40 + along * t[0] - aside * t[1]);
-        scene.uv_a[1] = RC(30 + along * t[1] + aside * t[0]);
+        scene.uv_a[0] = RC(40 + along * t[0] * times - aside * t[1] * times);
+        scene.uv_a[1] = RC(30 + along * t[1] * times + aside * t[0] * times);
         ASSERT_STATUS(RIGCAL_OK, rigcal_band_make(&band, &scene.pair, scene.uv_a));
         TEST_ASSERT_TRUE(watch(&band) > 0);
         ASSERT_STATUS(RIGCAL_OK, (rigcal_status)solver.status);
         assert_rows(&scene, &rng);
     }
+}
+
+static void test_bands_in_all_directions_are_joined_outside_the_image(void)
+{
+    look_in_all_directions(TEST_TRIALS(24 * 36), 1);
+}
+
+/* The image of a long lens is a small part of its plane. */
+static void test_bands_of_a_long_lens_are_joined_outside_the_image(void)
+{
+    look_in_all_directions(TEST_TRIALS(24 * 36), 20);
 }
 
 /* Camera b is 1 to the right of a. Both have 8 x 6 pixels and a focal length of 0.8: the
@@ -616,6 +629,7 @@ TEST_MAIN()
     RUN_TEST(test_a_border_is_followed_by_arcs_within_the_tolerance);
     RUN_TEST(test_borders_of_wide_bands_are_followed_too);
     RUN_TEST(test_bands_in_all_directions_are_joined_outside_the_image);
+    RUN_TEST(test_bands_of_a_long_lens_are_joined_outside_the_image);
     RUN_TEST(test_bands_of_a_large_image_are_as_accurate);
     RUN_TEST(test_a_focal_length_may_be_less_than_a_pixel);
     RUN_TEST(test_borders_of_a_lens_that_nearly_folds_are_followed_too);

@@ -440,11 +440,16 @@ static void test_a_point_behind_b_gives_no_transfer(void)
                    rigcal_transfer_make(&out, &kept, abc, uv[0], uv[1], NOISE));
 }
 
-/* A camera with almost no information beside the other gives no depth. */
+/* A camera with almost no information beside the other gives no depth. The line on which
+ * the point lies by the other camera may be across an axis of the rig's frame, or across
+ * none. In few frames rounding looks like information. */
 static void test_a_pair_of_one_camera_that_counts_has_no_depth(void)
 {
-    static const double aside[3] = {-1, 0, 0};
+    static const double aside[3] = {-1, 0, 0}, up[3] = {0, 0, 1};
     const rigcal_real noise[2] = {RC(1e-6), RC(1e6)};
+    const int trials = TEST_TRIALS(200);
+    test_rng rng = test_seed(4910);
+    int missed = 0;
     rigcal_transfer out;
 
     stand(0.5, aside);
@@ -453,6 +458,22 @@ static void test_a_pair_of_one_camera_that_counts_has_no_depth(void)
     cameras[2].camera.fx = 0;
     ASSERT_REFUSED(RIGCAL_ERR_CAMERA, out,
                    rigcal_transfer_make(&out, &kept, ABC, uv[0], uv[1], NOISE));
+    for (int trial = 0; trial < trials; trial++) {
+        const double a = trial % 4 * TEST_PI / 2 + test_uniform(&rng, 0.1, 1.4);
+        const double b = trial % 8 < 4 ? test_uniform(&rng, 0.1, 1.4) : 0;
+        const double axis[3] = {cos(a) * cos(b), sin(a) * cos(b), sin(b)};
+        double R[9], t[3];
+
+        stand(0, aside);
+        test_axes_of(R, up, axis);
+        for (int c = 0; c < N; c++) {
+            test_transform_parts(NULL, t, &cameras[c].cam_from_rig);
+            cameras[c].cam_from_rig = test_transform(R, t);
+        }
+        missed += rigcal_transfer_make(&out, &kept, ABC, uv[0], uv[1], noise) !=
+                  RIGCAL_ERR_PARALLEL;
+    }
+    TEST_ASSERT_LESS_OR_EQUAL_INT((trials + 19) / 20, missed);
 }
 
 /* Sigma^-1 = (2, -1; -1, 2) / (3 unit^2), the offset is (1, 2) units, however small the

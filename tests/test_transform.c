@@ -402,7 +402,8 @@ static void test_angles_are_averaged_and_not_entries(void)
 static void test_a_weight_counts_as_so_many_repetitions(void)
 {
     test_rng rng = test_seed(73);
-    const rigcal_real weight[3] = {3, 0, 2}, scaled[3] = {48, 0, 32};
+    const rigcal_real weight[3] = {3, 0, 2};
+    const double scale[3] = {16, TOL(1e29, 1e8), TOL(1e-200, 1e-30)};
     const double base[3] = {0.4, -0.3, 1.2};
     rigcal_transform three[3], five[5], by_weight, by_scaled, by_repetition;
     rigcal_real sigma[3][2];
@@ -421,15 +422,24 @@ static void test_a_weight_counts_as_so_many_repetitions(void)
     }
     ASSERT_STATUS(RIGCAL_OK, rigcal_transform_mean(&by_weight, &sigma[0][0], &sigma[0][1],
                                                    three, weight, 3));
-    ASSERT_STATUS(RIGCAL_OK, rigcal_transform_mean(&by_scaled, &sigma[1][0], &sigma[1][1],
-                                                   three, scaled, 3));
     ASSERT_STATUS(RIGCAL_OK, rigcal_transform_mean(&by_repetition, &sigma[2][0],
                                                    &sigma[2][1], five, NULL, 5));
-    ASSERT_TRANSFORM(&by_weight, &by_scaled, TOL_MEAN, TOL_MEAN_LENGTH);
     ASSERT_TRANSFORM(&by_weight, &by_repetition, TOL_MEAN, TOL_MEAN_LENGTH);
     for (int k = 0; k < 2; k++) {
-        ASSERT_NEAR(sigma[0][k], sigma[1][k], TOL_MEAN);
         ASSERT_NEAR(sigma[0][k], sigma[2][k], TOL_MEAN);
+    }
+    for (int i = 0; i < 3; i++) { /* only ratios of weights count */
+        rigcal_real scaled[3];
+
+        for (int k = 0; k < 3; k++) {
+            scaled[k] = RC(scale[i]) * weight[k];
+        }
+        ASSERT_STATUS(RIGCAL_OK, rigcal_transform_mean(&by_scaled, &sigma[1][0],
+                                                       &sigma[1][1], three, scaled, 3));
+        ASSERT_TRANSFORM(&by_weight, &by_scaled, TOL_MEAN, TOL_MEAN_LENGTH);
+        for (int k = 0; k < 2; k++) {
+            ASSERT_NEAR(sigma[0][k], sigma[1][k], TOL_MEAN);
+        }
     }
 }
 
@@ -522,9 +532,14 @@ static void test_arguments_of_the_mean_are_checked(void)
     const rigcal_transform two[2] = {NOTHING, NOTHING};
     const rigcal_real none[2] = {0, 0}, negative[2] = {2, -1};
     const rigcal_real odd[2] = {1, TEST_NAN}, endless[2] = {TEST_INF, 1};
+    const rigcal_real most[2] = {RC(TOL(1e30, 1e9)), 1};
+    const rigcal_real beyond[2] = {1, RC(TOL(1.01e30, 1.01e9))};
     rigcal_transform mean, bad[2];
     rigcal_real a, b;
 
+    ASSERT_STATUS(RIGCAL_OK, rigcal_transform_mean(&mean, &a, &b, two, most, 2));
+    ASSERT_REFUSED(RIGCAL_ERR_RANGE, mean,
+                   rigcal_transform_mean(&mean, &a, &b, two, beyond, 2));
     ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_transform_mean(NULL, &a, &b, two, NULL, 2));
     ASSERT_REFUSED(RIGCAL_ERR_NULL, mean,
                    rigcal_transform_mean(&mean, &a, &b, NULL, NULL, 2));

@@ -733,7 +733,49 @@ static void assert_best(const test_views *v, const rigcal_point *point)
     }
 }
 
-/* The rays are far from meeting. So a search takes long, or goes away to infinity. */
+/* Whether the point nearest to all rays is in front of all cameras: X of
+ * sum (I - d d^T) (X - o) = 0, for rays from o along the unit vector d, by Cramer. */
+static int is_nearest_in_front(const test_views *v)
+{
+    double A[9] = {0}, b[3] = {0}, X[3], X_c[3];
+
+    for (int i = 0; i < v->n; i++) {
+        const double ray[3] = {
+            (D(v->uv[2 * i]) - D(v->cameras[i].cx)) / D(v->cameras[i].fx),
+            (D(v->uv[2 * i + 1]) - D(v->cameras[i].cy)) / D(v->cameras[i].fy), 1};
+        double R[9], Rt[9], t[3], d[3], o[3];
+
+        test_transform_parts(R, t, &v->cams_from_world[i]);
+        test_transpose(Rt, R);
+        test_apply(d, Rt, ray, NULL);
+        test_apply(o, Rt, t, NULL); /* the centre is -o */
+        for (int k = 0; k < 9; k++) {
+            const double a = (k % 4 == 0) - d[k / 3] * d[k % 3] / test_dot(d, d);
+
+            A[k] += a;
+            b[k / 3] -= a * o[k % 3];
+        }
+    }
+    for (int k = 0; k < 3; k++) {
+        double replaced[9];
+
+        memcpy(replaced, A, sizeof A);
+        for (int row = 0; row < 3; row++) {
+            replaced[3 * row + k] = b[row];
+        }
+        X[k] = test_determinant(replaced) / test_determinant(A);
+    }
+    for (int i = 0; i < v->n; i++) {
+        test_move_point(X_c, &v->cams_from_world[i], X);
+        if (!(X_c[2] > TOL(1e-9, 1e-3))) {
+            return 0;
+        }
+    }
+    return 1;
+}
+
+/* The rays are far from meeting. So a search takes long, or goes away to infinity. It
+ * begins at the point nearest to the rays, and does not go behind a camera from there. */
 static void test_no_point_near_one_of_wild_views_is_better(void)
 {
     test_rng rng = test_seed(57);
@@ -759,7 +801,8 @@ static void test_no_point_near_one_of_wild_views_is_better(void)
                         TOL(1e-6, 1e-2)); /* the point is the one whose errors are told */
         } else {
             counts[2] += status == RIGCAL_ERR_PARALLEL;
-            TEST_ASSERT_TRUE(status == RIGCAL_ERR_PARALLEL || status == RIGCAL_ERR_BEHIND);
+            TEST_ASSERT_TRUE(status == RIGCAL_ERR_PARALLEL ||
+                             (status == RIGCAL_ERR_BEHIND && !is_nearest_in_front(&v)));
         }
     }
     for (int i = 0; i < 3; i++) {

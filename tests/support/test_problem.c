@@ -1,5 +1,7 @@
 #include "test_problem.h"
 
+#include <math.h>
+
 const rigcal_real *test_sigma_of(const test_problem *p)
 {
     return p->use_sigma ? p->sigma : NULL;
@@ -23,6 +25,34 @@ void test_random_problem(test_problem *p, test_rng *rng, int n, test_shape shape
     p->camera = test_pinhole();
     test_scene_random(&p->scene, rng, n, shape);
     test_observe(p);
+}
+
+void test_surrounded_problem(test_problem *p, test_rng *rng, int n)
+{
+    p->camera = test_pinhole();
+    p->camera.lens = RIGCAL_LENS_FISHEYE;
+    p->camera.fx = p->camera.fy = 120;
+    p->scene.n = n;
+    p->use_sigma = 0;
+    test_random_rotation(p->scene.R, rng);
+    for (int k = 0; k < 3; k++) {
+        p->scene.t[k] = test_uniform(rng, -0.2, 0.2);
+    }
+    for (int i = 0; i < n; i++) {
+        const double way = 2.4 * i, off = 0.5 + 1.4 * (i + 0.5) / n;
+        const double range = test_uniform(rng, 1, 2);
+        const double X_c[3] = {range * sin(off) * cos(way), range * sin(off) * sin(way),
+                               range * cos(off)};
+        double uv[2], from[3], back[9], X[3];
+        test_project_px(uv, &p->camera, X_c);
+        test_to_real(p->o[i].uv, uv, 2);
+        for (int k = 0; k < 3; k++) {
+            from[k] = X_c[k] - p->scene.t[k];
+        }
+        test_transpose(back, p->scene.R);
+        test_apply(X, back, from, NULL);
+        test_to_real(p->o[i].X_w, X, 3);
+    }
 }
 
 void test_add_noise(test_problem *p, test_rng *rng, double sigma_px)

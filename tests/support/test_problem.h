@@ -28,6 +28,10 @@ void test_observe(test_problem *p);
 /* A random scene and its exact image in a pinhole. */
 void test_random_problem(test_problem *p, test_rng *rng, int n, test_shape shape);
 
+/* A fisheye in the middle of its points, which are in all directions up to 110 degrees off
+ * the axis, and their exact image. Of the scene, R, t and n are set. */
+void test_surrounded_problem(test_problem *p, test_rng *rng, int n);
+
 /* Adds normal noise of sigma_px, times the sigma of each point. */
 void test_add_noise(test_problem *p, test_rng *rng, double sigma_px);
 

@@ -127,6 +127,37 @@ static void test_factors_multiply_to_the_covariance(void)
     }
 }
 
+/* A covariance may be as large as both variances allow. A larger one cannot be, and counts
+ * as none. */
+static void test_a_covariance_beyond_what_the_variances_allow_is_none(void)
+{
+    rigcal_real full[3] = {4, 2, 1}, beyond[3] = {4, RC(2.125), 1};
+
+    rc_filter_factor(full, 2);
+    rc_filter_multiply(full, 2);
+    ASSERT_NEAR(4, full[0], TOL(1e-14, 5e-6));
+    ASSERT_NEAR(2, full[1], TOL(1e-15, 1e-6));
+    ASSERT_NEAR(1, full[2], TOL(1e-15, 1e-6));
+    rc_filter_factor(beyond, 2);
+    rc_filter_multiply(beyond, 2);
+    ASSERT_NEAR(4, beyond[0], 0);
+    ASSERT_NEAR(0, beyond[1], 0);
+    ASSERT_NEAR(1, beyond[2], 0);
+}
+
+/* Unknowns 1 and 2 are the same, so unknown 1 tells nothing that unknown 2 does not tell.
+ * By rounding its covariance with unknown 0 differs a little. The variance that is left of
+ * unknown 0 is 1 - 1/2^2, whatever is left of that difference. */
+static void test_an_unknown_that_is_known_by_another_tells_no_more(void)
+{
+    const double rounding = TOL(1e-9, 3e-5);
+    rigcal_real P[6] = {1, RC(0.5 + rounding), 1, RC(0.5), 1, 1};
+
+    rc_filter_factor(P, 3);
+    ASSERT_NEAR(0.75, P[0], TOL(1e-15, 1e-6));
+    ASSERT_NEAR(0, P[1], 0);
+}
+
 static void test_rows_that_may_be_wrong_agree_with_dense_matrices(void)
 {
     for (int trial = 0; trial < TEST_TRIALS(20); trial++) {
@@ -528,6 +559,8 @@ static void test_a_bend_is_that_of_the_variances_of_a_body(void)
 TEST_MAIN()
 {
     RUN_TEST(test_factors_multiply_to_the_covariance);
+    RUN_TEST(test_a_covariance_beyond_what_the_variances_allow_is_none);
+    RUN_TEST(test_an_unknown_that_is_known_by_another_tells_no_more);
     RUN_TEST(test_rows_that_may_be_wrong_agree_with_dense_matrices);
     RUN_TEST(test_it_stays_positive_definite_where_one_direction_is_never_seen);
     RUN_TEST(test_small_steps_add_up);

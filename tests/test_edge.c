@@ -28,7 +28,8 @@ static int is_in_image(const rigcal_camera *camera, const rigcal_real uv[2])
 }
 
 /* The pixels of the two borders over p must be k standard deviations from the line, one on
- * each side. Returns how many are in the image, all of which the lens sees. */
+ * each side. The last correction is at most 1e-5 px, and it leaves some hundredths of
+ * that. Returns how many are in the image, all of which the lens sees. */
 static int look_at_place(const test_bands *scene, const rigcal_real p[2])
 {
     double s[2] = {0, 0};
@@ -48,7 +49,7 @@ static int look_at_place(const test_bands *scene, const rigcal_real p[2])
         }
         TEST_ASSERT_TRUE(test_ray_of(&b, &scene->b, uv));
         test_band_look(&truth, scene, &a, &b);
-        ASSERT_NEAR(scene->pair.k, sqrt(truth.chi2), TOL(2e-5, 2e-2));
+        ASSERT_NEAR(scene->pair.k, sqrt(truth.chi2), TOL(2e-6, 2e-2));
         s[side] = truth.s;
         found++;
     }
@@ -58,7 +59,7 @@ static int look_at_place(const test_bands *scene, const rigcal_real p[2])
 
 static void test_a_border_is_k_standard_deviations_from_the_line(void)
 {
-    enum { SCENES = 60, PLACES = 5 };
+    enum { SCENES = 400, PLACES = 5 };
     int found = 0, scenes = 0;
 
     for (int i = 0; i < TEST_TRIALS(SCENES); i++) {

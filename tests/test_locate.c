@@ -166,6 +166,32 @@ static void test_no_point_nearby_is_better(void)
     }
 }
 
+/* Noise of a power of two times another in all views scales all sums and equations exactly.
+ * So the search takes the same way to the same point, bit by bit. */
+static void test_how_large_the_noise_is_does_not_move_the_point(void)
+{
+    const rigcal_real times = TOL(524288, 1024);
+    test_rng rng = test_seed(636);
+    int found = 0;
+
+    for (int trial = 0; trial < TEST_TRIALS(200); trial++) {
+        rigcal_real X[3];
+
+        build(&rng, 60);
+        const rigcal_status status = locate();
+        memcpy(X, solver.X, sizeof X);
+        for (int i = 0; i < N; i++) {
+            noise[i] = times;
+        }
+        ASSERT_STATUS(status, locate());
+        if (status == RIGCAL_OK) {
+            TEST_ASSERT_EQUAL_MEMORY(X, solver.X, sizeof X);
+            found++;
+        }
+    }
+    TEST_ASSERT_TRUE(found > TEST_TRIALS(200) / 3);
+}
+
 /* The rays are far from meeting. So a search takes long, goes back, or goes away to
  * infinity. */
 static void test_no_point_near_one_of_wild_views_is_better(void)
@@ -266,6 +292,7 @@ TEST_MAIN()
     RUN_TEST(test_the_first_step_is_damped);
     RUN_TEST(test_equations_are_those_of_the_point_that_is_found);
     RUN_TEST(test_no_point_nearby_is_better);
+    RUN_TEST(test_how_large_the_noise_is_does_not_move_the_point);
     RUN_TEST(test_no_point_near_one_of_wild_views_is_better);
     RUN_TEST(test_a_point_that_grazes_a_camera_is_refused);
     RUN_TEST(test_the_angle_of_rays_is_at_most_90_degrees);

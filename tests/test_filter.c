@@ -145,6 +145,17 @@ static void test_a_covariance_beyond_what_the_variances_allow_is_none(void)
     ASSERT_NEAR(1, beyond[2], 0);
 }
 
+/* A variance whose inverse is not a number counts as 0, so the unknown is known exactly. */
+static void test_a_variance_without_an_inverse_is_none(void)
+{
+    rigcal_real P[3] = {1, 0, RC(TOL(1e-310, 1e-40))};
+
+    rc_filter_factor(P, 2);
+    ASSERT_NEAR(1, P[0], 0);
+    ASSERT_NEAR(0, P[1], 0);
+    ASSERT_NEAR(0, P[2], 0);
+}
+
 /* Unknowns 1 and 2 are the same, so unknown 1 tells nothing that unknown 2 does not tell.
  * By rounding its covariance with unknown 0 differs a little. The variance that is left of
  * unknown 0 is 1 - 1/2^2, whatever is left of that difference. */
@@ -560,6 +571,7 @@ TEST_MAIN()
 {
     RUN_TEST(test_factors_multiply_to_the_covariance);
     RUN_TEST(test_a_covariance_beyond_what_the_variances_allow_is_none);
+    RUN_TEST(test_a_variance_without_an_inverse_is_none);
     RUN_TEST(test_an_unknown_that_is_known_by_another_tells_no_more);
     RUN_TEST(test_rows_that_may_be_wrong_agree_with_dense_matrices);
     RUN_TEST(test_it_stays_positive_definite_where_one_direction_is_never_seen);

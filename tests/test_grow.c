@@ -267,6 +267,64 @@ static void test_the_same_bits_whatever_the_budgets(void)
     }
 }
 
+/* Pixels twice as large: half the noise, and a quarter of the information. */
+static void double_pixels(void)
+{
+    for (size_t v = 0; v < t.rig.n_views; v++) {
+        for (int k = 0; k < 21; k++) {
+            t.own[v].information[k] /= 4;
+            t.second[v].information[k] /= 4;
+        }
+        t.own[v].sse /= 4;
+        t.second[v].sse /= 4;
+    }
+    t.rig.sigma_px /= 2;
+}
+
+/* If pixels are larger by a power of two, all information and all noise are scaled exactly.
+ * So the choice is the same, bit by bit. Here all cameras see placement 0. The last two
+ * see it best, and are the only ones that see placement 1. */
+static void test_the_size_of_a_pixel_changes_no_bit(void)
+{
+    static rigcal_transform cams[C_MAX], places[2];
+    static uint8_t takes[C_MAX + 2];
+
+    WANTS_RIG;
+    for (uint64_t trial = 0; trial < (uint64_t)TEST_TRIALS(10); trial++) {
+        test_rng rng = test_seed(5360 + trial);
+        size_t n = 0;
+
+        simulate(&rng, C_MAX, 2, 10, 1);
+        for (size_t v = 0; v < t.rig.n_views; v++) {
+            const int is_last = t.own[v].camera >= C_MAX - 2;
+
+            if (is_last || t.own[v].placement == 0) {
+                t.own[n] = t.own[v];
+                t.second[n] = t.second[v];
+                for (int k = 0; k < 21; k++) {
+                    t.own[n].information[k] *= RC(is_last ? 1 : 0.001);
+                    t.second[n].information[k] *= RC(is_last ? 1 : 0.001);
+                }
+                n++;
+            }
+        }
+        t.rig.n_views = n;
+        t.rig.sigma_px = RC(0.3);
+        const rigcal_status status = choose();
+        TEST_ASSERT_TRUE(status >= 0);
+        memcpy(cams, t.cams, sizeof cams);
+        memcpy(places, t.places, sizeof places);
+        memcpy(takes, t.takes, sizeof takes);
+        for (int times = 0; times < 15; times++) {
+            double_pixels();
+            ASSERT_STATUS(status, choose());
+            TEST_ASSERT_EQUAL_MEMORY(cams, t.cams, sizeof cams);
+            TEST_ASSERT_EQUAL_MEMORY(places, t.places, sizeof places);
+            TEST_ASSERT_EQUAL_MEMORY(takes, t.takes, sizeof takes);
+        }
+    }
+}
+
 /* How many steps of this budget a choice takes. */
 static int steps_of(int32_t budget)
 {
@@ -1203,6 +1261,7 @@ TEST_MAIN()
     RUN_TEST(test_the_adjustment_from_the_choice_is_right);
     RUN_TEST(test_the_order_does_not_matter);
     RUN_TEST(test_the_same_bits_whatever_the_budgets);
+    RUN_TEST(test_the_size_of_a_pixel_changes_no_bit);
     RUN_TEST(test_a_budget_is_a_number_of_units);
     RUN_TEST(test_poses_from_sources);
     RUN_TEST(test_a_placement_that_a_source_changes_joins_nothing);

@@ -1088,6 +1088,63 @@ static void test_the_eighth_camera_places_a_placement_anew(void)
     ASSERT_TRANSFORM(&truth, &now, 0.02, 0.1);
 }
 
+static size_t read_last;
+
+static rigcal_status pose_that_is_told(rigcal_view_pose *pose, size_t index, void *context)
+{
+    (void)context;
+    read_last = index;
+    *pose = many.own[index];
+    return RIGCAL_OK;
+}
+
+/* After the first two cameras have joined, each one more places the placements anew, up to
+ * the eighth. At the end all are placed once more. Each time the view of the frame's camera
+ * is read, in a step after which the next view of the placement follows. */
+static void test_more_than_eight_cameras_do_not_place_a_placement_anew(void)
+{
+    TEST_ON_HOST_ONLY("memory of twelve cameras");
+    for (size_t C = 3; C <= MANY; C++) {
+        test_rng rng = test_seed(565);
+        rigcal_choose_solver solver;
+        size_t n = 0;
+
+        make_many(&rng);
+        for (size_t v = 0; v < many.rig.n_views; v++) {
+            if (many.own[v].camera < (int32_t)C) {
+                many.own[n] = many.own[v];
+                many.own[n].cam_from_target =
+                    test_times(&many.true_cams[many.own[n].camera],
+                               &many.true_places[many.own[n].placement]);
+                n++;
+            }
+        }
+        many.rig.n_views = n;
+        many.rig.n_cameras = C;
+        many.rig.sigma_px = RC(0.3);
+        many.rig.view_poses = NULL;
+        many.rig.view_pose_source = pose_that_is_told;
+        many.choice.second_poses = NULL;
+        ASSERT_STATUS(RIGCAL_OK, rigcal_choose_begin(&solver, &many.choice, &many.rig));
+        while (!solver.is_again) {
+            ASSERT_STATUS(RIGCAL_RUNNING, rigcal_choose_step(&solver, 1));
+        }
+        const size_t frame = (size_t)solver.a;
+        size_t placed = 0, before;
+        rigcal_status status;
+
+        do {
+            before = solver.view;
+            read_last = n;
+            status = rigcal_choose_step(&solver, 1);
+            placed += solver.view == before + 1 && read_last < n && read_last % C == frame;
+        } while (status == RIGCAL_RUNNING);
+        ASSERT_STATUS(RIGCAL_OK, rigcal_choose_result(NULL, &solver));
+        TEST_ASSERT_EQUAL_size_t(many.rig.n_placements * (C < 8 ? C : 8), placed);
+        many.rig.view_pose_source = NULL;
+    }
+}
+
 /* How many other links of camera a come before its link to b: those of more information,
  * and of equal ones those to lower cameras. */
 static int rank_of(const rigcal_link links[], int n_cameras, int a, int b)
@@ -1286,6 +1343,7 @@ TEST_MAIN()
     RUN_TEST(test_many_cameras_and_two_that_are_alike);
     RUN_TEST(test_the_eight_views_of_most_information_place_a_placement);
     RUN_TEST(test_the_eighth_camera_places_a_placement_anew);
+    RUN_TEST(test_more_than_eight_cameras_do_not_place_a_placement_anew);
     RUN_TEST(test_the_best_three_pairs_of_each_camera_are_scored);
     RUN_TEST(test_what_is_refused);
     RUN_TEST(test_after_a_choice_the_rig_is_not_adjusted);

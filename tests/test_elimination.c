@@ -593,9 +593,33 @@ static void test_equations_of_zeros_are_refused(void)
     }
 }
 
+/* h c = 1 and h s = 1, twice. The determinant of two equations is of the size of h^2, that
+ * of their sums of h^4. Where it is below all numbers, the equations are refused. */
+static void test_equations_whose_determinant_underflows_are_refused(void)
+{
+    static const double SMALL[2] = {TOL(1e-100, 1e-15), TOL(1e-200, 1e-30)};
+
+    for (int k = 0; k < 2; k++) {
+        const double h = SMALL[k], u = sqrt(0.5);
+        const rigcal_pair pairs[4] = {
+            test_pair_of(h, 0, 1, u, 0, -u),
+            test_pair_of(0, h, 1, u, 0, -u),
+            test_pair_of(h, 0, 1, u, 0, -u),
+            test_pair_of(0, h, 1, u, 0, -u),
+        };
+        const rigcal_real angles[2] = {0, 0};
+        rigcal_elimination out;
+
+        ASSERT_REFUSED(
+            RIGCAL_ERR_DEGENERATE, out,
+            rigcal_pairs_eliminate(&out, pairs, 4, k == 0 ? 0 : 2, RIGCAL_YAW, angles));
+    }
+}
+
 TEST_MAIN()
 {
     RUN_TEST(test_equations_of_zeros_are_refused);
+    RUN_TEST(test_equations_whose_determinant_underflows_are_refused);
     RUN_TEST(test_small_equations_are_as_good);
     RUN_TEST(test_pairs_and_their_residuals_are_the_oracles);
     RUN_TEST(test_the_residual_vanishes_at_the_true_rotation);

@@ -1238,6 +1238,43 @@ static void test_a_fault_of_a_camera_that_is_held_is_that_of_an_adjustment(void)
     }
 }
 
+/* All cameras have priors, which are off by more than their deviations. So the views pull
+ * each camera away from where its prior has it. */
+static void test_a_fault_of_cameras_with_priors_is_that_of_an_adjustment(void)
+{
+    static const uint8_t ROLES[CAMERAS] = {RIGCAL_CAMERA_PRIOR, RIGCAL_CAMERA_PRIOR,
+                                           RIGCAL_CAMERA_PRIOR};
+    static rigcal_camera_prior priors[CAMERAS];
+    const double sigma = 1e-3;
+
+    WANTS_A_RIG;
+    for (int c = 0; c < CAMERAS; c++) {
+        test_rng rng = test_seed(77);
+
+        set_up(&x, 3);
+        for (int i = 0; i < CAMERAS; i++) {
+            double R[9], t[3], d[6];
+
+            for (int k = 0; k < 6; k++) {
+                d[k] = 3 * sigma * test_normal(&rng);
+                priors[i].Sigma[7 * k] = RC(sigma * sigma);
+            }
+            test_transform_parts(R, t, &x.cams[i]);
+            test_move(R, t, d);
+            priors[i].cam_from_rig = test_transform(R, t);
+        }
+        x.rig.roles = ROLES;
+        x.rig.priors = priors;
+        x.rig.sigma_px = RC(0.3);
+        const double before = least_sum(&x);
+        test_it(&x);
+        const rigcal_fault seen = *fault_of(&x, RIGCAL_FAULT_FOCAL, c);
+        correct(&x, RIGCAL_FAULT_FOCAL, c, seen.value);
+        ASSERT_NEAR(before - least_sum(&x), seen.gain,
+                    0.02 * D(seen.gain) + TOL(1e-3, 1e-2) * before);
+    }
+}
+
 /* Two cameras that see the board from far away, in a narrow field. There a turn has nearly
  * the effect of a centre that is off. */
 static void set_up_narrow(fixture *f, double far)
@@ -1830,6 +1867,7 @@ TEST_MAIN()
     RUN_TEST(test_a_rig_beside_its_optimum_has_the_same_faults);
     RUN_TEST(test_a_board_in_the_plane_of_x_and_z_has_the_same_cameras);
     RUN_TEST(test_a_fault_of_a_camera_that_is_held_is_that_of_an_adjustment);
+    RUN_TEST(test_a_fault_of_cameras_with_priors_is_that_of_an_adjustment);
     RUN_TEST(test_narrow_cameras_have_the_same_faults_whichever_is_held);
     RUN_TEST(test_clocks_need_not_be_written);
     RUN_TEST(test_placements_that_nothing_fixes_are_degenerate);

@@ -3,6 +3,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "rc_cost.h"
 #include "rigcal_solvers.h"
 #include "test_boards.h"
 
@@ -587,6 +588,33 @@ static void test_the_same_bits_whatever_the_budgets(void)
     }
 }
 
+/* While the rig is adjusted, a unit of the judge is a unit of the adjustment. */
+static void test_a_unit_of_an_adjustment_is_one_of_the_judge(void)
+{
+    static rigcal_judge_solver solver;
+    static rigcal_rig_solver adjust;
+    test_rng rng = test_seed(2110);
+    int units = 0, expected = 1;
+
+    WANTS_BOARDS(1);
+    test_boards_make(&b, &rng, 3, 6, 3, NOISE, 0);
+    test_boards_solve(&b);
+    b.choice.sigma_px = RC(NOISE);
+    ASSERT_STATUS(RIGCAL_OK, rigcal_rig_begin(&adjust, &b.rig));
+    while (rigcal_rig_step(&adjust, 1) == RIGCAL_RUNNING) {
+        expected++;
+    }
+    test_boards_solve(&b); /* back to where the adjustment began */
+    ASSERT_STATUS(RIGCAL_OK,
+                  rigcal_judge_begin(&solver, b.judged, b.left_out, &b.choice, &b.rig));
+    do {
+        units += solver.phase == RC_JUDGE_ADJUSTING;
+    } while (rigcal_judge_step(&solver, 1) == RIGCAL_RUNNING);
+    ASSERT_STATUS(RIGCAL_OK, rigcal_judge_result(&b.judgement, NULL, &solver));
+    TEST_ASSERT_EQUAL_INT32(1, b.judgement.adjustments);
+    TEST_ASSERT_EQUAL_INT(expected, units);
+}
+
 static size_t calls, fails_at, failed;
 
 static rigcal_status pose_that_fails(rigcal_view_pose *pose, size_t index, void *context)
@@ -684,6 +712,7 @@ TEST_MAIN()
     RUN_TEST(test_a_second_pose_is_taken_up);
     RUN_TEST(test_a_placement_that_is_taken_up_is_moved_to_its_views);
     RUN_TEST(test_the_same_bits_whatever_the_budgets);
+    RUN_TEST(test_a_unit_of_an_adjustment_is_one_of_the_judge);
     RUN_TEST(test_a_source_that_fails_ends_the_judgement);
     RUN_TEST(test_what_cannot_be_judged_is_refused);
 }

@@ -274,6 +274,28 @@ static void test_the_thickness_is_that_of_the_least_extent(void)
     }
 }
 
+/* Then any direction is one of least extent, and the thickness is a ninth. No power of the
+ * matrix underflows. */
+static void test_points_that_extend_alike_have_some_normal(void)
+{
+    test_rng rng = test_seed(11);
+    for (int trial = 0; trial < 20; trial++) {
+        double x[6][3], Q[9], n[3];
+        rigcal_real C[6], normal[3] = {0, 0, 0}, thickness = -1;
+        test_random_rotation(Q, &rng);
+        for (int i = 0; i < 6; i++) {
+            double along[3] = {0, 0, 0};
+            along[i / 2] = i % 2 ? 1 : -1;
+            test_apply(x[i], Q, along, NULL);
+        }
+        moments_of(C, x, 6);
+        TEST_ASSERT_TRUE(rc_sym3_thinnest(normal, &thickness, C));
+        test_to_double(n, normal, 3);
+        ASSERT_NEAR(1, test_norm(n), TOL(1e-14, 1e-6));
+        ASSERT_NEAR(1.0 / 9, thickness, TOL(1e-14, 1e-6));
+    }
+}
+
 /* In any unit of length. */
 static void test_points_on_a_line_have_no_normal(void)
 {
@@ -664,6 +686,7 @@ TEST_MAIN()
     RUN_TEST(test_a_direction_is_completed_to_a_rotation);
     RUN_TEST(test_the_normal_of_a_plane_is_found);
     RUN_TEST(test_the_thickness_is_that_of_the_least_extent);
+    RUN_TEST(test_points_that_extend_alike_have_some_normal);
     RUN_TEST(test_points_on_a_line_have_no_normal);
     RUN_TEST(test_damping_adds_to_the_diagonal);
     RUN_TEST(test_six_equations_are_solved);

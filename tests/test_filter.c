@@ -282,6 +282,40 @@ static void test_small_steps_add_up(void)
     }
 }
 
+/* Each step rounds the rotation, whether the body moves itself or the frame is put elsewhere.
+ * The roundings of many steps do not add up. */
+static void test_a_pose_that_is_moved_often_stays_a_rotation(void)
+{
+    for (int is_frame = 0; is_frame < 2; is_frame++) {
+        test_rng rng = test_seed(79);
+        double R[9], t[3], Rt[9], one[9];
+
+        begin(&rng, 0);
+        for (int i = 0; i < TEST_TRIALS(40000); i++) {
+            rigcal_real d[6] = {0, 0, 0, 0, 0, 0};
+
+            for (int k = 0; k < 3; k++) {
+                d[k] = RC(0.1 * test_normal(&rng));
+            }
+            if (is_frame) {
+                rigcal_transform moved = s.poses[0];
+
+                rc_transform_move(&moved, d);
+                rc_filter_put(&s.f, 0, &moved);
+            } else {
+                memcpy(s.d, d, sizeof d);
+                rc_filter_apply(&s.f, 1);
+            }
+        }
+        test_transform_parts(R, t, &s.poses[1]);
+        test_transpose(Rt, R);
+        test_product(one, Rt, R);
+        for (int k = 0; k < 9; k++) {
+            ASSERT_NEAR(k % 4 == 0, one[k], 8 * D(RC_EPS));
+        }
+    }
+}
+
 static void measure(double e[N], const rigcal_transform from[BODIES])
 {
     for (size_t b = 0; b < BODIES; b++) {
@@ -576,6 +610,7 @@ TEST_MAIN()
     RUN_TEST(test_rows_that_may_be_wrong_agree_with_dense_matrices);
     RUN_TEST(test_it_stays_positive_definite_where_one_direction_is_never_seen);
     RUN_TEST(test_small_steps_add_up);
+    RUN_TEST(test_a_pose_that_is_moved_often_stays_a_rotation);
     RUN_TEST(test_a_move_of_the_frame_is_one_of_all_others);
     RUN_TEST(test_a_spread_of_equal_axes_is_that_of_its_covariance);
     RUN_TEST(test_a_body_comes_with_its_covariance_and_leaves);

@@ -88,7 +88,7 @@ static void test_a_border_is_k_standard_deviations_from_the_line(void)
 /* Camera b is 1 to the right of a, and both are the same pinhole. So the line of pixel (40,
  * 30) is its row. sigma_b is the only noise: the borders are about k sigma_b = 2 rows
  * away. */
-static void make_rows(rigcal_band *band)
+static void make_lines(rigcal_band *band, int is_column)
 {
     const rigcal_real uv_a[2] = {40, 30};
     rigcal_camera camera;
@@ -96,8 +96,17 @@ static void make_rows(rigcal_band *band)
 
     test_bands_beside(&pair, &camera, 0.5, 4);
     pair.near_a = 2;
+    if (is_column) { /* camera b is below a */
+        pair.b_from_a.t[1] = pair.b_from_a.t[0];
+        pair.b_from_a.t[0] = 0;
+    }
     ASSERT_STATUS(RIGCAL_OK, rigcal_band_make(band, &pair, uv_a));
     TEST_ASSERT_TRUE(rc_edge_begin(&edge, band));
+}
+
+static void make_rows(rigcal_band *band)
+{
+    make_lines(band, 0);
 }
 
 /* y of the border at x of (x, y, 1). Its distance s = y / r is 0.04 of the slope of s,
@@ -157,18 +166,20 @@ static void test_a_border_that_the_lens_does_not_see_leaves_the_edge(void)
 
 /* The lens folds at 0.7 of its focal length. Where k sigma_b reaches beyond that, the
  * border is the fold. In the image it is at 0.7 (1 - 1/3) of the focal length from the
- * centre. */
+ * centre, whether the line is a row or a column. */
 static void test_where_the_lens_folds_before_the_border_is_the_fold(void)
 {
     const double far = 50 * 0.7 * 2 / 3;
     rigcal_band band;
 
-    make_rows(&band);
-    band.sigma_b = 8;
-    band.camera_b.k1 = RC(-1 / (3 * 0.49));
-    TEST_ASSERT_TRUE(rc_edge_begin(&edge, &band));
-    for (int side = 0; side < 2; side++) {
-        for (int k = 1; k < 7; k++) {
+    for (int way = 0; way < 4; way++) {
+        const int side = way % 2;
+
+        make_lines(&band, way / 2);
+        band.sigma_b = 8;
+        band.camera_b.k1 = RC(-1 / (3 * 0.49));
+        TEST_ASSERT_TRUE(rc_edge_begin(&edge, &band));
+        for (int k = 0; k < 7; k++) {
             rigcal_real p[2] = {RC(cos(0.1 * k)), RC(sin(0.1 * k))}, uv[2], J[6];
 
             TEST_ASSERT_TRUE(rc_edge_begin_side(&edge, side, p));

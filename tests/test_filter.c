@@ -282,8 +282,8 @@ static void test_small_steps_add_up(void)
     }
 }
 
-/* Each step rounds the rotation, whether the body moves itself or the frame is put elsewhere.
- * The roundings of many steps do not add up. */
+/* Each step rounds the rotation, whether the body moves itself or the frame is put
+ * elsewhere. The roundings of many steps do not add up. */
 static void test_a_pose_that_is_moved_often_stays_a_rotation(void)
 {
     for (int is_frame = 0; is_frame < 2; is_frame++) {

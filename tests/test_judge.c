@@ -521,8 +521,8 @@ static void test_a_second_pose_is_taken_up(void)
 }
 
 /* The choice has left out all views of a placement, and the placement stands behind the
- * cameras. The views agree, so the judge takes them up and moves the placement to where they
- * have it. The rig is then that of a choice that took them. */
+ * cameras. The views agree, so the judge takes them up and moves the placement to where
+ * they have it. The rig is then that of a choice that took them. */
 static void test_a_placement_that_is_taken_up_is_moved_to_its_views(void)
 {
     enum { MOVED = 2 };

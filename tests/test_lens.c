@@ -647,9 +647,9 @@ static void test_nothing_is_proved_beyond_a_pole(void)
 #endif
 }
 
-/* With k3 = -5/7 and k6 = -1 the denominator is 1 - r^6, and the slope of the map is 1 + 5/7
- * r^12, divided by its square. So only the denominator shows the pole at r = 1. Just before
- * the pole and just behind it, its terms of first and second degree hide the third. */
+/* With k3 = -5/7 and k6 = -1 the denominator is 1 - r^6. The slope of the map is 1 + 5/7
+ * r^12, divided by its square. So only the denominator shows the pole at r = 1. Just behind
+ * the pole, the last term of its bound decides. */
 static void test_a_pole_that_the_slope_does_not_show_ends_what_is_usable(void)
 {
     const rigcal_camera camera = {.fx = 1, .fy = 1, .k3 = RC(-5.0 / 7), .k6 = -1};
@@ -680,9 +680,9 @@ static void test_a_place_near_the_turn_takes_more_than_a_few_steps(void)
 #endif
 }
 
-/* The same lens at places from the middle to its turn. The last step of Newton's method
- * begins within 1e-5 of the target, in float within 1e-4. Where the fifth step is the last,
- * the place is found; where it is not, the place is not found. */
+/* The lens turns back at r = 1. Newton's method, written out here along the radius, tells
+ * how near it is before each step. Its last step begins within 1e-5 of the target, in float
+ * within 1e-4. A place is found if the fifth step can be the last. */
 static void test_a_place_is_found_if_five_steps_reach_it(void)
 {
 #if RIGCAL_FOR_SPEED

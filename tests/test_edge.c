@@ -32,6 +32,7 @@ static int is_in_image(const rigcal_camera *camera, const rigcal_real uv[2])
  * that. Returns how many are in the image, all of which the lens sees. */
 static int look_at_place(const test_bands *scene, const rigcal_real p[2])
 {
+    const double h = TOL(1e-6, 1e-3);
     double s[2] = {0, 0};
     int found = 0;
     test_ray a, b;
@@ -52,6 +53,17 @@ static int look_at_place(const test_bands *scene, const rigcal_real p[2])
         ASSERT_NEAR(scene->pair.k, sqrt(truth.chi2), TOL(2e-6, 2e-2));
         s[side] = truth.s;
         found++;
+        for (int row = 0; row < 2; row++) { /* along the height, by differences */
+            rigcal_real low[2], high[2];
+            double n[3], J_row[3];
+
+            test_to_double(n, edge.normal, 3);
+            test_to_double(J_row, &J[3 * row], 3);
+            ASSERT_STATUS(RIGCAL_OK, rc_edge_pixel(low, &edge, p, RC(D(edge.height) - h)));
+            ASSERT_STATUS(RIGCAL_OK, rc_edge_pixel(high, &edge, p, RC(D(edge.height) + h)));
+            ASSERT_NEAR((D(high[row]) - D(low[row])) / (2 * h), test_dot(J_row, n),
+                        TOL(1e-3, 0.05) * (1 + test_norm(J_row)));
+        }
     }
     TEST_ASSERT_TRUE(!(s[0] * s[1] > 0));
     return found;
@@ -67,6 +79,7 @@ static void test_a_border_is_k_standard_deviations_from_the_line(void)
         test_bands scene;
         rigcal_band band;
 
+        memset(&edge, 0x55, sizeof edge);
         test_bands_random(&scene, &rng, i % TEST_LENS_KINDS, 96);
         if (rigcal_band_make(&band, &scene.pair, scene.uv_a) != RIGCAL_OK ||
             !rc_edge_begin(&edge, &band)) {

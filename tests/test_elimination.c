@@ -418,6 +418,22 @@ static void test_a_singular_elimination_is_refused(void)
                    rigcal_pairs_eliminate(&out, blind, 3, 0, RIGCAL_YAW, angles));
 }
 
+/* Behind the two angles, or the three, nothing is looked at. */
+static void test_no_more_angles_are_checked_than_there_are(void)
+{
+    const rigcal_real two[3] = {0, 0, TEST_NAN}, three[4] = {0, 0, 0, RC(1e30)};
+    const rigcal_pair pairs[3] = {
+        test_pair_of(1, 0, 0, 0, 1, 0),
+        test_pair_of(0, 1, 0, 1, 0, 0),
+        test_pair_of(0, 0, 1, 1, 0, 0),
+    };
+    rigcal_real pqk[3], residual;
+
+    ASSERT_STATUS(RIGCAL_OK, rigcal_pair_coefficients(pqk, pairs, RIGCAL_YAW, two));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_pairs_residual(&residual, pairs, 3, three));
+    ASSERT_NEAR(0, residual, 0);
+}
+
 static void test_arguments_of_the_elimination_are_checked(void)
 {
     double ypr[3], wrong[3];
@@ -636,6 +652,7 @@ TEST_MAIN()
     RUN_TEST(test_elimination_finds_the_true_angle_of_perfect_images);
     RUN_TEST(test_the_order_of_pairs_does_not_matter_to_least_squares);
     RUN_TEST(test_a_singular_elimination_is_refused);
+    RUN_TEST(test_no_more_angles_are_checked_than_there_are);
     RUN_TEST(test_arguments_of_the_elimination_are_checked);
     RUN_TEST(test_the_three_angle_residual_is_the_oracles);
     RUN_TEST(test_the_three_angle_residual_is_the_sum_over_its_pairs);

@@ -167,6 +167,7 @@ static void test_an_unknown_that_is_known_by_another_tells_no_more(void)
     rc_filter_factor(P, 3);
     ASSERT_NEAR(0.75, P[0], TOL(1e-15, 1e-6));
     ASSERT_NEAR(0, P[1], 0);
+    TEST_ASSERT_TRUE(P[2] > 0 && P[2] < 10 * RC_EPS); /* positive definite all the same */
 }
 
 static void test_rows_that_may_be_wrong_agree_with_dense_matrices(void)
@@ -403,6 +404,7 @@ static void test_a_spread_of_equal_axes_is_that_of_its_covariance(void)
  * whose unknowns come later. */
 static void test_a_body_comes_with_its_covariance_and_leaves(void)
 {
+    static rigcal_real P[N * (N + 1) / 2 + N];
     for (int turned = 0; turned < 2; turned++) {
         test_rng rng = test_seed(70);
         const int new_at = turned ? 0 : 12, from = turned ? 12 : 0;
@@ -446,7 +448,15 @@ static void test_a_body_comes_with_its_covariance_and_leaves(void)
                 ASSERT_NEAR(expected, s.UD[row * (row + 1) / 2 + column], TOL(1e-15, 1e-9));
             }
         }
-        rc_filter_leave(&s.f, s.UD, 2);
+        memcpy(P, s.UD, sizeof s.UD);
+        for (int i = 0; i < N; i++) {
+            P[N * (N + 1) / 2 + i] = 77;
+        }
+        rc_filter_leave(&s.f, P, 2);
+        memcpy(s.UD, P, sizeof s.UD);
+        for (int i = 0; i < N; i++) { /* what lies behind the covariance stays */
+            ASSERT_NEAR(77, P[N * (N + 1) / 2 + i], 0);
+        }
         for (int i = 6; i < 12; i++) {
             for (int j = 0; j < N; j++) {
                 const int row = i > j ? i : j, column = i > j ? j : i;

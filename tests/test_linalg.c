@@ -608,6 +608,29 @@ static void test_packed_equations_are_solved(void)
     }
 }
 
+/* A diagonal that is 0, negative or no number; an indefinite matrix; one whose second row
+ * is the first to rounding. */
+static void test_a_packed_matrix_without_an_inverse_is_refused(void)
+{
+    static const double BAD[5][3] = {
+        {0, 0, 1}, {1, 0, -1}, {1, 0, 0}, {1, 2, 1}, {1, 1, 1}};
+
+    for (int k = 0; k < 5; k++) {
+        rigcal_real P[3] = {RC(BAD[k][0]), RC(BAD[k][1]), RC(BAD[k][2])};
+
+        TEST_ASSERT_FALSE(rc_packed_invert(P, 2));
+    }
+    rigcal_real P[3] = {4, 2, TEST_NAN};
+    TEST_ASSERT_FALSE(rc_packed_invert(P, 2));
+    P[0] = 4;
+    P[1] = 2;
+    P[2] = 2;
+    TEST_ASSERT_TRUE(rc_packed_invert(P, 2));
+    ASSERT_NEAR(0.5, P[0], TOL(1e-15, 1e-6)); /* of (4 2; 2 2) */
+    ASSERT_NEAR(-0.5, P[1], TOL(1e-15, 1e-6));
+    ASSERT_NEAR(1, P[2], TOL(1e-15, 1e-6));
+}
+
 static void test_a_packed_matrix_is_inverted_in_place(void)
 {
     test_rng rng = test_seed(16);
@@ -697,6 +720,7 @@ TEST_MAIN()
     RUN_TEST(test_a_packed_factor_on_paper);
     RUN_TEST(test_a_packed_factor_of_any_size_is_one);
     RUN_TEST(test_packed_equations_are_solved);
+    RUN_TEST(test_a_packed_matrix_without_an_inverse_is_refused);
     RUN_TEST(test_a_packed_matrix_is_inverted_in_place);
     RUN_TEST(test_a_packed_pivot_is_refused_up_to_the_least);
     RUN_TEST(test_numbers_are_checked);

@@ -323,13 +323,21 @@ static void test_without_room_for_the_answer_nothing_moves(void)
     static rigcal_transform before[RIG_CAMERAS_MAX];
     test_rng rng = test_seed(387);
     rigcal_rig_fit fit;
+    static rigcal_rig_solver solver;
+    int32_t at_fault = -2;
     size_t n_wrong;
 
     WANTS_RIG;
     make(&rng, 0.05);
     memcpy(before, r.cams, sizeof before);
-    ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_rig_adjust_robust(NULL, &n_wrong, NULL, &r.rig));
+    ASSERT_STATUS(RIGCAL_ERR_NULL,
+                  rigcal_rig_adjust_robust(NULL, &n_wrong, &at_fault, &r.rig));
+    TEST_ASSERT_EQUAL_INT32(-1, at_fault); /* no view */
     ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_rig_adjust_robust(&fit, NULL, NULL, &r.rig));
+    at_fault = -2;
+    ASSERT_STATUS(RIGCAL_ERR_NULL,
+                  rigcal_rig_robust_result(NULL, &n_wrong, &at_fault, &solver));
+    TEST_ASSERT_EQUAL_INT32(-1, at_fault);
     TEST_ASSERT_EQUAL_MEMORY(before, r.cams, sizeof before);
 }
 

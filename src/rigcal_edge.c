@@ -76,8 +76,6 @@ int rc_edge_begin(rigcal_edge *e, const rigcal_band *band)
 {
     e->band = *band;
     e->is_pinhole = rc_lens_is_pinhole(&band->camera_b);
-    e->side = 0;
-    e->height = e->slope2 = 0;
     rc_vec3_scale(e->normal, 1 / band->across, band->line);
     e->A = band->across * band->across - band->k * band->k * band->Sigma_line[5];
     return e->A > 0;

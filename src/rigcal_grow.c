@@ -80,7 +80,6 @@ static rigcal_status begin_weighing(rigcal_choose_solver *s, const rc_score_part
     rc_clear(p->placed, 2 * rig->n_placements);
     rc_clear(p->links, RIGCAL_LINKS(rig->n_cameras));
     rc_clear(p->score, 3 * rig->n_cameras);
-    s->view = 0;
     s->phase = WEIGHING;
     return RIGCAL_OK;
 }

@@ -418,6 +418,22 @@ static void test_a_singular_elimination_is_refused(void)
                    rigcal_pairs_eliminate(&out, blind, 3, 0, RIGCAL_YAW, angles));
 }
 
+/* Behind the two angles, or the three, nothing is looked at. */
+static void test_no_more_angles_are_checked_than_there_are(void)
+{
+    const rigcal_real two[3] = {0, 0, TEST_NAN}, three[4] = {0, 0, 0, RC(1e30)};
+    const rigcal_pair pairs[3] = {
+        test_pair_of(1, 0, 0, 0, 1, 0),
+        test_pair_of(0, 1, 0, 1, 0, 0),
+        test_pair_of(0, 0, 1, 1, 0, 0),
+    };
+    rigcal_real pqk[3], residual;
+
+    ASSERT_STATUS(RIGCAL_OK, rigcal_pair_coefficients(pqk, pairs, RIGCAL_YAW, two));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_pairs_residual(&residual, pairs, 3, three));
+    ASSERT_NEAR(0, residual, 0);
+}
+
 static void test_arguments_of_the_elimination_are_checked(void)
 {
     double ypr[3], wrong[3];
@@ -593,9 +609,33 @@ static void test_equations_of_zeros_are_refused(void)
     }
 }
 
+/* h c = 1 and h s = 1, twice. The determinant of two equations is of the size of h^2, that
+ * of their sums of h^4. Where it is below all numbers, the equations are refused. */
+static void test_equations_whose_determinant_underflows_are_refused(void)
+{
+    static const double SMALL[2] = {TOL(1e-100, 1e-15), TOL(1e-200, 1e-30)};
+
+    for (int k = 0; k < 2; k++) {
+        const double h = SMALL[k], u = sqrt(0.5);
+        const rigcal_pair pairs[4] = {
+            test_pair_of(h, 0, 1, u, 0, -u),
+            test_pair_of(0, h, 1, u, 0, -u),
+            test_pair_of(h, 0, 1, u, 0, -u),
+            test_pair_of(0, h, 1, u, 0, -u),
+        };
+        const rigcal_real angles[2] = {0, 0};
+        rigcal_elimination out;
+
+        ASSERT_REFUSED(
+            RIGCAL_ERR_DEGENERATE, out,
+            rigcal_pairs_eliminate(&out, pairs, 4, k == 0 ? 0 : 2, RIGCAL_YAW, angles));
+    }
+}
+
 TEST_MAIN()
 {
     RUN_TEST(test_equations_of_zeros_are_refused);
+    RUN_TEST(test_equations_whose_determinant_underflows_are_refused);
     RUN_TEST(test_small_equations_are_as_good);
     RUN_TEST(test_pairs_and_their_residuals_are_the_oracles);
     RUN_TEST(test_the_residual_vanishes_at_the_true_rotation);
@@ -612,6 +652,7 @@ TEST_MAIN()
     RUN_TEST(test_elimination_finds_the_true_angle_of_perfect_images);
     RUN_TEST(test_the_order_of_pairs_does_not_matter_to_least_squares);
     RUN_TEST(test_a_singular_elimination_is_refused);
+    RUN_TEST(test_no_more_angles_are_checked_than_there_are);
     RUN_TEST(test_arguments_of_the_elimination_are_checked);
     RUN_TEST(test_the_three_angle_residual_is_the_oracles);
     RUN_TEST(test_the_three_angle_residual_is_the_sum_over_its_pairs);

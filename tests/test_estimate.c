@@ -381,6 +381,26 @@ static void test_a_single_number_is_estimated(void)
     assert_minimum();
 }
 
+/* Beside one number the poses need the longer row. What lies behind it is not touched. */
+static void test_the_least_memory_of_a_single_number_is_enough(void)
+{
+    const size_t k = 1, n = 6 * (CAMERAS - 1);
+    const size_t needs = (n + 6) * k + k * (k + 1) / 2 + k + n;
+
+    WANTS;
+    make(8823);
+    memset(sigmas, 0, sizeof sigmas);
+    sigmas[1].k1 = RC(0.01);
+    adjust();
+    estimated.considered.capacity = needs - 1;
+    ASSERT_STATUS(RIGCAL_ERR_CAPACITY,
+                  rigcal_rig_estimate(&estimated, NULL, &r.rig, RC(SIGMA_PX)));
+    estimated.considered.capacity = needs;
+    memory[needs] = 77;
+    ASSERT_STATUS(RIGCAL_OK, rigcal_rig_estimate(&estimated, NULL, &r.rig, RC(SIGMA_PX)));
+    ASSERT_NEAR(77, memory[needs], 0);
+}
+
 static void test_without_any_deviation_the_covariance_is_that_of_pixels(void)
 {
     rigcal_real plain[36], with[36];
@@ -476,6 +496,7 @@ TEST_MAIN()
     RUN_TEST(test_it_settles_in_a_few_rounds);
     RUN_TEST(test_what_has_no_deviation_does_not_move);
     RUN_TEST(test_a_single_number_is_estimated);
+    RUN_TEST(test_the_least_memory_of_a_single_number_is_enough);
     RUN_TEST(test_without_any_deviation_the_covariance_is_that_of_pixels);
     RUN_TEST(test_what_cannot_be_is_refused);
     RUN_TEST(test_a_camera_is_changed_or_left_as_it_is);

@@ -392,10 +392,11 @@ static void test_what_a_reference_subtracts(void)
     for (size_t c = 0; c < RC_COLUMNS; c++) {
         const size_t k = c - RC_BY_INTRINSICS;
         const int has = k == RC_BY_FOCAL || k == RC_BY_CENTRE || k == RC_BY_CENTRE + 1;
-        rigcal_real w[3], v[3];
+        rigcal_real w[4], v[4];
 
         FILL(w);
         FILL(v);
+        w[3] = v[3] = 77;
         TEST_ASSERT_EQUAL_INT(has, rc_evidence_reference(w, v, of, c) != 0);
         ASSERT_NEAR(k == RC_BY_CENTRE + 1 ? 0.002 : 0, w[0], 1e-9);
         ASSERT_NEAR(k == RC_BY_CENTRE ? 0.001 : 0, w[1], 1e-9);
@@ -403,6 +404,8 @@ static void test_what_a_reference_subtracts(void)
         ASSERT_NEAR(0, v[0], 0);
         ASSERT_NEAR(0, v[1], 0);
         ASSERT_NEAR(k == RC_BY_FOCAL ? -0.3 : 0, v[2], 1e-7);
+        ASSERT_NEAR(77, w[3], 0);
+        ASSERT_NEAR(77, v[3], 0);
     }
 }
 

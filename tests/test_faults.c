@@ -1142,6 +1142,115 @@ static void test_views_of_three_points_have_no_loop(void)
     }
 }
 
+/* A ring: camera c sees placements c and c + 1, the last camera also placement 0. So there
+ * is one loop, and it closes in six numbers. Five clocks are free. */
+enum { RING = TEST_ONE_IN > 1 ? 2 : 6, RING_POINTS = 6 };
+
+static struct {
+    rigcal_camera camera;
+    rigcal_observation o[2 * RING][RING_POINTS];
+    rigcal_rig_view views[2 * RING];
+    rigcal_transform cams[RING], places[RING];
+    rigcal_real times[RING], instants[RING], offsets[RING];
+    int32_t states[RING], group[RING];
+    rigcal_real work[RIGCAL_RIG_WORK(RING, RING, RING) + RIGCAL_CLOCKS_WORK(RING, RING)];
+    rigcal_real room[RIGCAL_FAULTS_WORK(RING, RING) + RIGCAL_FAULTS_CLOCKS_WORK(RING)];
+    rigcal_rig_clocks clocks;
+    rigcal_rig rig;
+} ring;
+
+static void make_ring(test_rng *rng)
+{
+    static const double UP[3] = {0, 1, 0};
+    double X[RING_POINTS][3];
+
+    memset(&ring, 0, sizeof ring);
+    ring.camera = test_pinhole();
+    for (int i = 0; i < RING_POINTS; i++) {
+        for (int k = 0; k < 3; k++) {
+            X[i][k] = test_uniform(rng, -0.5, 0.5);
+        }
+    }
+    for (int c = 0; c < RING; c++) {
+        const double axis[3] = {test_normal(rng), test_normal(rng), test_normal(rng)};
+
+        ring.cams[c] = test_turned_about(UP, 0.4 * c);
+        ring.cams[c].t[2] = 4;
+        ring.places[c] = test_turned_about(axis, 0.5);
+        for (int k = 0; k < 3; k++) {
+            ring.places[c].t[k] = RC(test_uniform(rng, -0.3, 0.3));
+        }
+        ring.times[c] = RC(0.3 * c);
+    }
+    for (int v = 0; v < 2 * RING; v++) {
+        const int place = v / 2, camera = (place + (v % 2) * (RING - 1)) % RING;
+        const rigcal_transform T = test_times(&ring.cams[camera], &ring.places[place]);
+
+        ring.views[v].camera = camera;
+        ring.views[v].placement = place;
+        ring.views[v].view = VIEW(&ring.camera, ring.o[v], NULL, RING_POINTS);
+        for (int i = 0; i < RING_POINTS; i++) {
+            double X_c[3], uv[2];
+
+            test_to_real(ring.o[v][i].X_w, X[i], 3);
+            test_move_point(X_c, &T, X[i]);
+            test_project_px(uv, &ring.camera, X_c);
+            ring.o[v][i].uv[0] = RC(uv[0] + 0.3 * test_normal(rng));
+            ring.o[v][i].uv[1] = RC(uv[1] + 0.3 * test_normal(rng));
+        }
+    }
+    ASSERT_STATUS(RIGCAL_OK, rigcal_clocks_defaults(&ring.clocks));
+    ring.clocks.times = ring.times;
+    ring.clocks.instants = ring.instants;
+    ring.clocks.offsets = ring.offsets;
+    ring.clocks.states = ring.states;
+    ring.clocks.free_offsets = 1;
+    ring.clocks.neighbours = 2;
+    ring.rig.cams_from_rig = ring.cams;
+    ring.rig.rig_from_placements = ring.places;
+    ring.rig.n_cameras = ring.rig.n_placements = RING;
+    ring.rig.group = ring.group;
+    ring.rig.views = ring.views;
+    ring.rig.n_views = (size_t)(2 * RING);
+    ring.rig.clocks = &ring.clocks;
+    ring.rig.work = ring.work;
+    ring.rig.work_capacity = sizeof ring.work / sizeof ring.work[0];
+}
+
+/* The only loop has one freedom more than there are clocks. It is enough to disagree. F is
+ * what the views at their own poses leave, and what the rig adds to that. */
+static void test_one_freedom_is_a_loop(void)
+{
+    const double within = 2 * 2 * RING * RING_POINTS - 6 * 2 * RING;
+    test_rng rng = test_seed(78);
+    rigcal_rig_fit fit;
+    double own = 0;
+
+    TEST_ON_HOST_ONLY("memory of six cameras");
+    make_ring(&rng);
+    x.options = (rigcal_faults_options){
+        .work = ring.room, .work_capacity = sizeof ring.room / sizeof ring.room[0]};
+    x.rig = ring.rig;
+    for (int k = 0; k < 4; k++) {
+        ASSERT_STATUS(RIGCAL_OK, rigcal_rig_adjust(&fit, NULL, &x.rig));
+    }
+    for (int v = 0; v < 2 * RING; v++) {
+        rigcal_pose poses[RIGCAL_POSES_MAX];
+        size_t n;
+
+        TEST_ASSERT_TRUE(rigcal_pose_solve(poses, RIGCAL_POSES_MAX, &n, NULL,
+                                           &ring.views[v].view, NULL) >= 0);
+        own += RING_POINTS * D(poses[0].rms_px) * D(poses[0].rms_px);
+    }
+    test_it(&x);
+    ASSERT_NEAR(1, x.found.freedom_between, 0);
+    ASSERT_NEAR(within, x.found.freedom_within, 0);
+    TEST_ASSERT_EQUAL_INT32(0, x.found.bits & RIGCAL_FAULTS_NO_LOOP);
+    const double F = (D(fit.sum) - own) / (own / within);
+    ASSERT_NEAR(F, x.found.F, TOL(1e-3, 0.02) * (1 + F));
+    TEST_ASSERT_TRUE(F > 0.01);
+}
+
 /* The target stands still except for noise: a clock that is off would not show. */
 static void test_of_a_target_that_stands_still_no_clock_is_told(void)
 {
@@ -1295,6 +1404,43 @@ static void test_a_fault_of_a_camera_that_is_held_is_that_of_an_adjustment(void)
     for (int c = 0; c < CAMERAS; c++) {
         set_up(&x, 3);
         x.rig.roles = ROLES;
+        const double before = least_sum(&x);
+        test_it(&x);
+        const rigcal_fault seen = *fault_of(&x, RIGCAL_FAULT_FOCAL, c);
+        correct(&x, RIGCAL_FAULT_FOCAL, c, seen.value);
+        ASSERT_NEAR(before - least_sum(&x), seen.gain,
+                    0.02 * D(seen.gain) + TOL(1e-3, 1e-2) * before);
+    }
+}
+
+/* All cameras have priors, which are off by more than their deviations. So the views pull
+ * each camera away from where its prior has it. */
+static void test_a_fault_of_cameras_with_priors_is_that_of_an_adjustment(void)
+{
+    static const uint8_t ROLES[CAMERAS] = {RIGCAL_CAMERA_PRIOR, RIGCAL_CAMERA_PRIOR,
+                                           RIGCAL_CAMERA_PRIOR};
+    static rigcal_camera_prior priors[CAMERAS];
+    const double sigma = 1e-3;
+
+    WANTS_A_RIG;
+    for (int c = 0; c < CAMERAS; c++) {
+        test_rng rng = test_seed(77);
+
+        set_up(&x, 3);
+        for (int i = 0; i < CAMERAS; i++) {
+            double R[9], t[3], d[6];
+
+            for (int k = 0; k < 6; k++) {
+                d[k] = 3 * sigma * test_normal(&rng);
+                priors[i].Sigma[7 * k] = RC(sigma * sigma);
+            }
+            test_transform_parts(R, t, &x.cams[i]);
+            test_move(R, t, d);
+            priors[i].cam_from_rig = test_transform(R, t);
+        }
+        x.rig.roles = ROLES;
+        x.rig.priors = priors;
+        x.rig.sigma_px = RC(0.3);
         const double before = least_sum(&x);
         test_it(&x);
         const rigcal_fault seen = *fault_of(&x, RIGCAL_FAULT_FOCAL, c);
@@ -1892,11 +2038,13 @@ TEST_MAIN()
     RUN_TEST(test_kinds_that_are_asked_for);
     RUN_TEST(test_clocks_without_their_memory_are_refused);
     RUN_TEST(test_views_of_three_points_have_no_loop);
+    RUN_TEST(test_one_freedom_is_a_loop);
     RUN_TEST(test_of_a_target_that_stands_still_no_clock_is_told);
     RUN_TEST(test_the_unit_of_time_changes_no_fault);
     RUN_TEST(test_a_rig_beside_its_optimum_has_the_same_faults);
     RUN_TEST(test_a_board_in_the_plane_of_x_and_z_has_the_same_cameras);
     RUN_TEST(test_a_fault_of_a_camera_that_is_held_is_that_of_an_adjustment);
+    RUN_TEST(test_a_fault_of_cameras_with_priors_is_that_of_an_adjustment);
     RUN_TEST(test_narrow_cameras_have_the_same_faults_whichever_is_held);
     RUN_TEST(test_clocks_need_not_be_written);
     RUN_TEST(test_placements_that_nothing_fixes_are_degenerate);

@@ -127,6 +127,49 @@ static void test_factors_multiply_to_the_covariance(void)
     }
 }
 
+/* A covariance may be as large as both variances allow. A larger one cannot be, and counts
+ * as none. */
+static void test_a_covariance_beyond_what_the_variances_allow_is_none(void)
+{
+    rigcal_real full[3] = {4, 2, 1}, beyond[3] = {4, RC(2.125), 1};
+
+    rc_filter_factor(full, 2);
+    rc_filter_multiply(full, 2);
+    ASSERT_NEAR(4, full[0], TOL(1e-14, 5e-6));
+    ASSERT_NEAR(2, full[1], TOL(1e-15, 1e-6));
+    ASSERT_NEAR(1, full[2], TOL(1e-15, 1e-6));
+    rc_filter_factor(beyond, 2);
+    rc_filter_multiply(beyond, 2);
+    ASSERT_NEAR(4, beyond[0], 0);
+    ASSERT_NEAR(0, beyond[1], 0);
+    ASSERT_NEAR(1, beyond[2], 0);
+}
+
+/* A variance whose inverse is not a number counts as 0, so the unknown is known exactly. */
+static void test_a_variance_without_an_inverse_is_none(void)
+{
+    rigcal_real P[3] = {1, 0, RC(TOL(1e-310, 1e-40))};
+
+    rc_filter_factor(P, 2);
+    ASSERT_NEAR(1, P[0], 0);
+    ASSERT_NEAR(0, P[1], 0);
+    ASSERT_NEAR(0, P[2], 0);
+}
+
+/* Unknowns 1 and 2 are the same, so unknown 1 tells nothing that unknown 2 does not tell.
+ * By rounding its covariance with unknown 0 differs a little. The variance that is left of
+ * unknown 0 is 1 - 1/2^2, whatever is left of that difference. */
+static void test_an_unknown_that_is_known_by_another_tells_no_more(void)
+{
+    const double rounding = TOL(1e-9, 3e-5);
+    rigcal_real P[6] = {1, RC(0.5 + rounding), 1, RC(0.5), 1, 1};
+
+    rc_filter_factor(P, 3);
+    ASSERT_NEAR(0.75, P[0], TOL(1e-15, 1e-6));
+    ASSERT_NEAR(0, P[1], 0);
+    TEST_ASSERT_TRUE(P[2] > 0 && P[2] < 10 * RC_EPS); /* positive definite all the same */
+}
+
 static void test_rows_that_may_be_wrong_agree_with_dense_matrices(void)
 {
     for (int trial = 0; trial < TEST_TRIALS(20); trial++) {
@@ -240,6 +283,40 @@ static void test_small_steps_add_up(void)
     }
 }
 
+/* Each step rounds the rotation, whether the body moves itself or the frame is put
+ * elsewhere. The roundings of many steps do not add up. */
+static void test_a_pose_that_is_moved_often_stays_a_rotation(void)
+{
+    for (int is_frame = 0; is_frame < 2; is_frame++) {
+        test_rng rng = test_seed(79);
+        double R[9], t[3], Rt[9], one[9];
+
+        begin(&rng, 0);
+        for (int i = 0; i < TEST_TRIALS(40000); i++) {
+            rigcal_real d[6] = {0, 0, 0, 0, 0, 0};
+
+            for (int k = 0; k < 3; k++) {
+                d[k] = RC(0.1 * test_normal(&rng));
+            }
+            if (is_frame) {
+                rigcal_transform moved = s.poses[0];
+
+                rc_transform_move(&moved, d);
+                rc_filter_put(&s.f, 0, &moved);
+            } else {
+                memcpy(s.d, d, sizeof d);
+                rc_filter_apply(&s.f, 1);
+            }
+        }
+        test_transform_parts(R, t, &s.poses[1]);
+        test_transpose(Rt, R);
+        test_product(one, Rt, R);
+        for (int k = 0; k < 9; k++) {
+            ASSERT_NEAR(k % 4 == 0, one[k], 8 * D(RC_EPS));
+        }
+    }
+}
+
 static void measure(double e[N], const rigcal_transform from[BODIES])
 {
     for (size_t b = 0; b < BODIES; b++) {
@@ -327,6 +404,7 @@ static void test_a_spread_of_equal_axes_is_that_of_its_covariance(void)
  * whose unknowns come later. */
 static void test_a_body_comes_with_its_covariance_and_leaves(void)
 {
+    static rigcal_real P[N * (N + 1) / 2 + N];
     for (int turned = 0; turned < 2; turned++) {
         test_rng rng = test_seed(70);
         const int new_at = turned ? 0 : 12, from = turned ? 12 : 0;
@@ -370,7 +448,15 @@ static void test_a_body_comes_with_its_covariance_and_leaves(void)
                 ASSERT_NEAR(expected, s.UD[row * (row + 1) / 2 + column], TOL(1e-15, 1e-9));
             }
         }
-        rc_filter_leave(&s.f, s.UD, 2);
+        memcpy(P, s.UD, sizeof s.UD);
+        for (int i = 0; i < N; i++) {
+            P[N * (N + 1) / 2 + i] = 77;
+        }
+        rc_filter_leave(&s.f, P, 2);
+        memcpy(s.UD, P, sizeof s.UD);
+        for (int i = 0; i < N; i++) { /* what lies behind the covariance stays */
+            ASSERT_NEAR(77, P[N * (N + 1) / 2 + i], 0);
+        }
         for (int i = 6; i < 12; i++) {
             for (int j = 0; j < N; j++) {
                 const int row = i > j ? i : j, column = i > j ? j : i;
@@ -528,9 +614,13 @@ static void test_a_bend_is_that_of_the_variances_of_a_body(void)
 TEST_MAIN()
 {
     RUN_TEST(test_factors_multiply_to_the_covariance);
+    RUN_TEST(test_a_covariance_beyond_what_the_variances_allow_is_none);
+    RUN_TEST(test_a_variance_without_an_inverse_is_none);
+    RUN_TEST(test_an_unknown_that_is_known_by_another_tells_no_more);
     RUN_TEST(test_rows_that_may_be_wrong_agree_with_dense_matrices);
     RUN_TEST(test_it_stays_positive_definite_where_one_direction_is_never_seen);
     RUN_TEST(test_small_steps_add_up);
+    RUN_TEST(test_a_pose_that_is_moved_often_stays_a_rotation);
     RUN_TEST(test_a_move_of_the_frame_is_one_of_all_others);
     RUN_TEST(test_a_spread_of_equal_axes_is_that_of_its_covariance);
     RUN_TEST(test_a_body_comes_with_its_covariance_and_leaves);

@@ -48,6 +48,21 @@ static void test_a_step_whose_numbers_overflow_is_not_seen(void)
     }
 }
 
+/* Then no step can gain: it is as good as chance, and only costs its parameter. */
+static void test_of_exact_pixels_no_step_gains(void)
+{
+    const rigcal_real one = 1, tiny = RC(1e-3);
+    const rc_one_step step = {1, 1, &one, &tiny, &one, &one, 100, 0};
+    rc_common exact = COMMON;
+    rigcal_fault fault = {.kind = RIGCAL_FAULT_FOCAL};
+
+    exact.sum = exact.own = 0;
+    rc_finding_of(&fault, &exact, &step);
+    ASSERT_NEAR(0, fault.gain, 0);
+    ASSERT_NEAR(1, fault.p, 0);
+    ASSERT_NEAR(log(200), fault.bic, TOL(1e-12, 1e-5));
+}
+
 /* The first of two parameters has an infinite sigma, and no effect. */
 static void test_a_step_with_one_infinite_sigma_is_not_seen(void)
 {
@@ -543,6 +558,7 @@ static void test_what_lies_along_the_motion_is_over_its_limit(void)
 TEST_MAIN()
 {
     RUN_TEST(test_a_step_whose_numbers_overflow_is_not_seen);
+    RUN_TEST(test_of_exact_pixels_no_step_gains);
     RUN_TEST(test_a_step_with_one_infinite_sigma_is_not_seen);
     RUN_TEST(test_of_many_parameters_the_first_are_told);
     RUN_TEST(test_the_verdict_of_what_could_not_be_seen);

@@ -32,12 +32,22 @@ static void give_poses(const double strength[])
     r.rig.view_poses = r.own;
 }
 
+/* Behind the groups of the cameras and their links nothing is read or written. */
 static rigcal_status link_all(void)
 {
+    const size_t n = r.rig.n_cameras, n_links = RIGCAL_LINKS(n);
     int32_t at_fault = -2;
+
+    if (n < RIG_CAMERAS_MAX) {
+        r.group[n] = links[n_links].n_shared = 77;
+    }
     const rigcal_status status = rigcal_rig_links(links, RIGCAL_LINKS(RIG_CAMERAS_MAX),
                                                   &n_groups, &at_fault, &r.rig);
-
+    if (n < RIG_CAMERAS_MAX) {
+        TEST_ASSERT_EQUAL_INT32(77, r.group[n]);
+        TEST_ASSERT_EQUAL_INT32(77, links[n_links].n_shared);
+    }
+    TEST_ASSERT_TRUE(n_groups <= (int32_t)n);
     TEST_ASSERT_EQUAL_INT32(-1, at_fault);
     return status;
 }

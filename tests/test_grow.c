@@ -267,6 +267,64 @@ static void test_the_same_bits_whatever_the_budgets(void)
     }
 }
 
+/* Pixels twice as large: half the noise, and a quarter of the information. */
+static void double_pixels(void)
+{
+    for (size_t v = 0; v < t.rig.n_views; v++) {
+        for (int k = 0; k < 21; k++) {
+            t.own[v].information[k] /= 4;
+            t.second[v].information[k] /= 4;
+        }
+        t.own[v].sse /= 4;
+        t.second[v].sse /= 4;
+    }
+    t.rig.sigma_px /= 2;
+}
+
+/* If pixels are larger by a power of two, all information and all noise are scaled exactly.
+ * So the choice is the same, bit by bit. Here all cameras see placement 0. The last two
+ * see it best, and are the only ones that see placement 1. */
+static void test_the_size_of_a_pixel_changes_no_bit(void)
+{
+    static rigcal_transform cams[C_MAX], places[2];
+    static uint8_t takes[C_MAX + 2];
+
+    WANTS_RIG;
+    for (uint64_t trial = 0; trial < (uint64_t)TEST_TRIALS(10); trial++) {
+        test_rng rng = test_seed(5360 + trial);
+        size_t n = 0;
+
+        simulate(&rng, C_MAX, 2, 10, 1);
+        for (size_t v = 0; v < t.rig.n_views; v++) {
+            const int is_last = t.own[v].camera >= C_MAX - 2;
+
+            if (is_last || t.own[v].placement == 0) {
+                t.own[n] = t.own[v];
+                t.second[n] = t.second[v];
+                for (int k = 0; k < 21; k++) {
+                    t.own[n].information[k] *= RC(is_last ? 1 : 0.001);
+                    t.second[n].information[k] *= RC(is_last ? 1 : 0.001);
+                }
+                n++;
+            }
+        }
+        t.rig.n_views = n;
+        t.rig.sigma_px = RC(0.3);
+        const rigcal_status status = choose();
+        TEST_ASSERT_TRUE(status >= 0);
+        memcpy(cams, t.cams, sizeof cams);
+        memcpy(places, t.places, sizeof places);
+        memcpy(takes, t.takes, sizeof takes);
+        for (int times = 0; times < 15; times++) {
+            double_pixels();
+            ASSERT_STATUS(status, choose());
+            TEST_ASSERT_EQUAL_MEMORY(cams, t.cams, sizeof cams);
+            TEST_ASSERT_EQUAL_MEMORY(places, t.places, sizeof places);
+            TEST_ASSERT_EQUAL_MEMORY(takes, t.takes, sizeof takes);
+        }
+    }
+}
+
 /* How many steps of this budget a choice takes. */
 static int steps_of(int32_t budget)
 {
@@ -1030,6 +1088,63 @@ static void test_the_eighth_camera_places_a_placement_anew(void)
     ASSERT_TRANSFORM(&truth, &now, 0.02, 0.1);
 }
 
+static size_t read_last;
+
+static rigcal_status pose_that_is_told(rigcal_view_pose *pose, size_t index, void *context)
+{
+    (void)context;
+    read_last = index;
+    *pose = many.own[index];
+    return RIGCAL_OK;
+}
+
+/* After the first two cameras have joined, each one more places the placements anew, up to
+ * the eighth. At the end all are placed once more. Each time the view of the frame's camera
+ * is read, in a step after which the next view of the placement follows. */
+static void test_more_than_eight_cameras_do_not_place_a_placement_anew(void)
+{
+    TEST_ON_HOST_ONLY("memory of twelve cameras");
+    for (size_t C = 3; C <= MANY; C++) {
+        test_rng rng = test_seed(565);
+        rigcal_choose_solver solver;
+        size_t n = 0;
+
+        make_many(&rng);
+        for (size_t v = 0; v < many.rig.n_views; v++) {
+            if (many.own[v].camera < (int32_t)C) {
+                many.own[n] = many.own[v];
+                many.own[n].cam_from_target =
+                    test_times(&many.true_cams[many.own[n].camera],
+                               &many.true_places[many.own[n].placement]);
+                n++;
+            }
+        }
+        many.rig.n_views = n;
+        many.rig.n_cameras = C;
+        many.rig.sigma_px = RC(0.3);
+        many.rig.view_poses = NULL;
+        many.rig.view_pose_source = pose_that_is_told;
+        many.choice.second_poses = NULL;
+        ASSERT_STATUS(RIGCAL_OK, rigcal_choose_begin(&solver, &many.choice, &many.rig));
+        while (!solver.is_again) {
+            ASSERT_STATUS(RIGCAL_RUNNING, rigcal_choose_step(&solver, 1));
+        }
+        const size_t frame = (size_t)solver.a;
+        size_t placed = 0, before;
+        rigcal_status status;
+
+        do {
+            before = solver.view;
+            read_last = n;
+            status = rigcal_choose_step(&solver, 1);
+            placed += solver.view == before + 1 && read_last < n && read_last % C == frame;
+        } while (status == RIGCAL_RUNNING);
+        ASSERT_STATUS(RIGCAL_OK, rigcal_choose_result(NULL, &solver));
+        TEST_ASSERT_EQUAL_size_t(many.rig.n_placements * (C < 8 ? C : 8), placed);
+        many.rig.view_pose_source = NULL;
+    }
+}
+
 /* How many other links of camera a come before its link to b: those of more information,
  * and of equal ones those to lower cameras. */
 static int rank_of(const rigcal_link links[], int n_cameras, int a, int b)
@@ -1203,6 +1318,7 @@ TEST_MAIN()
     RUN_TEST(test_the_adjustment_from_the_choice_is_right);
     RUN_TEST(test_the_order_does_not_matter);
     RUN_TEST(test_the_same_bits_whatever_the_budgets);
+    RUN_TEST(test_the_size_of_a_pixel_changes_no_bit);
     RUN_TEST(test_a_budget_is_a_number_of_units);
     RUN_TEST(test_poses_from_sources);
     RUN_TEST(test_a_placement_that_a_source_changes_joins_nothing);
@@ -1227,6 +1343,7 @@ TEST_MAIN()
     RUN_TEST(test_many_cameras_and_two_that_are_alike);
     RUN_TEST(test_the_eight_views_of_most_information_place_a_placement);
     RUN_TEST(test_the_eighth_camera_places_a_placement_anew);
+    RUN_TEST(test_more_than_eight_cameras_do_not_place_a_placement_anew);
     RUN_TEST(test_the_best_three_pairs_of_each_camera_are_scored);
     RUN_TEST(test_what_is_refused);
     RUN_TEST(test_after_a_choice_the_rig_is_not_adjusted);

@@ -3,6 +3,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "rc_cost.h"
 #include "rigcal_solvers.h"
 #include "test_boards.h"
 
@@ -13,18 +14,25 @@ static test_boards b, other;
 #define WANTS_BOARDS(n) TEST_WANTS_RAM((n) * sizeof(test_boards) + 20000)
 
 /* Solves, chooses and judges. Returns the status of the last. sigma_px: 0: that of the
- * choice. */
+ * choice. What lies behind the last view is not written. */
 static rigcal_status judge_by(test_boards *which, double sigma_px)
 {
+    const size_t n = which->rig.n_views;
     int32_t at_fault = -2;
     rigcal_status status;
 
+    TEST_ASSERT_TRUE(n < BOARD_VIEWS_MAX);
+    which->left_out[n] = which->takes[n] = 77;
+    which->judged[n].verdict = 77;
     test_boards_solve(which);
     TEST_ASSERT_TRUE(rigcal_rig_choose(&which->choice, &at_fault, &which->rig) >= 0);
     which->choice.sigma_px = sigma_px > 0 ? RC(sigma_px) : which->choice.sigma_px;
     status = rigcal_rig_judge(&which->judgement, &at_fault, which->judged, which->left_out,
                               &which->choice, &which->rig);
     TEST_ASSERT_EQUAL_INT32(-1, at_fault);
+    TEST_ASSERT_EQUAL_UINT8(77, which->left_out[n]);
+    TEST_ASSERT_EQUAL_UINT8(77, which->takes[n]);
+    TEST_ASSERT_EQUAL_INT32(77, which->judged[n].verdict);
     return status;
 }
 
@@ -254,16 +262,17 @@ static void test_a_camera_that_is_left_out_does_not_count_for_the_limit(void)
 }
 
 /* Wrong views that the joiner took for right bend the rig. The view with the largest cost
- * in each placement is left out first. */
+ * in each placement is left out first, from the first placement to the last. */
 static void test_wrong_views_that_were_joined_are_named(void)
 {
     WANTS_BOARDS(1);
     for (int trial = 0; trial < TEST_TRIALS(10); trial++) {
+        const int reversed = 37 - 4 * trial, replaced = (reversed + 17) % 40;
         test_rng rng = test_seed(1600 + (uint64_t)trial);
 
         test_boards_make(&b, &rng, 4, 10, 4, NOISE, 0);
-        test_boards_reverse(&b, 9 + trial);
-        test_boards_replace(&b, 30, 26);
+        test_boards_reverse(&b, reversed);
+        test_boards_replace(&b, replaced, (replaced + 36) % 40);
         test_boards_solve(&b);
         b.choice.sigma_px = RC(NOISE); /* takes is 0; the poses are the true ones */
         ASSERT_STATUS(
@@ -388,23 +397,53 @@ static void test_of_two_views_that_contradict_each_other_both_are_named(void)
     }
 }
 
+static void remove_view(int camera, int placement)
+{
+    const int gone = test_boards_view(&b, camera, placement);
+
+    b.rig.n_views--;
+    for (size_t v = (size_t)gone; v < b.rig.n_views; v++) {
+        memcpy(b.o[v], b.o[v + 1], sizeof b.o[v]);
+        b.views[v] = b.views[v + 1];
+        b.views[v].view.observations = b.o[v];
+    }
+}
+
+/* Cameras 0 and 1 share placements 0 to 3. Camera 2 sees placement 4 with camera 0, and
+ * placement 5 with camera 1. One of its two views is wrong. Its pose would be that of the
+ * other view, and nothing says which one is right: both are named, and so are the views of
+ * cameras 0 and 1 that have no partner then. */
+static void test_of_a_camera_with_two_views_that_contradict_both_are_named(void)
+{
+    WANTS_BOARDS(1);
+    for (int wrong = 4; wrong < 6; wrong++) {
+        test_rng rng = test_seed(1850);
+
+        test_boards_make(&b, &rng, 3, 6, 3, NOISE, 0);
+        for (int f = 0; f < 4; f++) {
+            remove_view(2, f);
+        }
+        remove_view(1, 4);
+        remove_view(0, 5);
+        test_boards_reverse(&b, test_boards_view(&b, 2, wrong));
+        TEST_ASSERT_TRUE(judge_by(&b, NOISE) > 0);
+        TEST_ASSERT_EQUAL_INT32(4, b.judgement.n_one_of_two);
+        TEST_ASSERT_EQUAL_INT32(8, b.judgement.n_fit);
+        for (size_t v = 0; v < b.rig.n_views; v++) {
+            TEST_ASSERT_EQUAL_INT(b.views[v].placement >= 4, is_named(&b, v));
+        }
+    }
+}
+
 /* A rig in which only camera 2 sees placement 4, and this view is wrong. */
 static int make_unshared(void)
 {
     test_rng rng = test_seed(1900);
-    int gone;
 
     test_boards_make(&b, &rng, 3, 6, 3, NOISE, 0);
-    for (int c = 0; c < 2; c++) { /* only camera 2 sees placement 4 */
-        gone = test_boards_view(&b, c, 4);
-        b.rig.n_views--;
-        for (size_t v = (size_t)gone; v < b.rig.n_views; v++) {
-            memcpy(b.o[v], b.o[v + 1], sizeof b.o[v]);
-            b.views[v] = b.views[v + 1];
-            b.views[v].view.observations = b.o[v];
-        }
-    }
-    gone = test_boards_view(&b, 2, 4);
+    remove_view(0, 4);
+    remove_view(1, 4);
+    const int gone = test_boards_view(&b, 2, 4);
     test_boards_reverse(&b, gone);
     return gone;
 }
@@ -482,6 +521,36 @@ static void test_a_second_pose_is_taken_up(void)
     TEST_ASSERT_EQUAL_INT32(18, b.judgement.n_fit);
 }
 
+/* The choice has left out all views of a placement, and the placement stands behind the
+ * cameras. The views agree, so the judge takes them up and moves the placement to where
+ * they have it. The rig is then that of a choice that took them. */
+static void test_a_placement_that_is_taken_up_is_moved_to_its_views(void)
+{
+    enum { MOVED = 2 };
+    test_rng rng = test_seed(2050), again = test_seed(2050);
+
+    WANTS_BOARDS(2);
+    test_boards_make(&b, &rng, 3, 6, 3, NOISE, 0);
+    test_boards_make(&other, &again, 3, 6, 3, NOISE, 0);
+    test_boards_solve(&b);
+    b.choice.sigma_px = RC(NOISE);
+    for (int c = 0; c < 3; c++) {
+        b.takes[test_boards_view(&b, c, MOVED)] = RIGCAL_TAKES_NONE;
+    }
+    for (int k = 0; k < 3; k++) {
+        b.places[MOVED].t[k] = -b.places[MOVED].t[k];
+    }
+    ASSERT_STATUS(RIGCAL_OK, rigcal_rig_judge(&b.judgement, NULL, b.judged, b.left_out,
+                                              &b.choice, &b.rig));
+    ASSERT_STATUS(RIGCAL_OK, judge_by(&other, NOISE));
+    TEST_ASSERT_EQUAL_INT32(18, b.judgement.n_fit);
+    ASSERT_NEAR(other.judgement.fit.sum, b.judgement.fit.sum,
+                TOL(1e-6, 1e-3) * D(other.judgement.fit.sum));
+    for (int f = 0; f < 6; f++) {
+        ASSERT_TRANSFORM(&other.places[f], &b.places[f], TOL(1e-6, 3e-5), TOL(3e-6, 1e-4));
+    }
+}
+
 /* ---- steps and arguments --------------------------------------------------- */
 
 static void run_in_steps(test_boards *which, int32_t budget)
@@ -518,6 +587,33 @@ static void test_the_same_bits_whatever_the_budgets(void)
         TEST_ASSERT_EQUAL_MEMORY(b.judged, other.judged, sizeof b.judged);
         TEST_ASSERT_EQUAL_MEMORY(&b.judgement, &other.judgement, sizeof b.judgement);
     }
+}
+
+/* While the rig is adjusted, a unit of the judge is a unit of the adjustment. */
+static void test_a_unit_of_an_adjustment_is_one_of_the_judge(void)
+{
+    static rigcal_judge_solver solver;
+    static rigcal_rig_solver adjust;
+    test_rng rng = test_seed(2110);
+    int units = 0, expected = 1;
+
+    WANTS_BOARDS(1);
+    test_boards_make(&b, &rng, 3, 6, 3, NOISE, 0);
+    test_boards_solve(&b);
+    b.choice.sigma_px = RC(NOISE);
+    ASSERT_STATUS(RIGCAL_OK, rigcal_rig_begin(&adjust, &b.rig));
+    while (rigcal_rig_step(&adjust, 1) == RIGCAL_RUNNING) {
+        expected++;
+    }
+    test_boards_solve(&b); /* back to where the adjustment began */
+    ASSERT_STATUS(RIGCAL_OK,
+                  rigcal_judge_begin(&solver, b.judged, b.left_out, &b.choice, &b.rig));
+    do {
+        units += solver.phase == RC_JUDGE_ADJUSTING;
+    } while (rigcal_judge_step(&solver, 1) == RIGCAL_RUNNING);
+    ASSERT_STATUS(RIGCAL_OK, rigcal_judge_result(&b.judgement, NULL, &solver));
+    TEST_ASSERT_EQUAL_INT32(1, b.judgement.adjustments);
+    TEST_ASSERT_EQUAL_INT(expected, units);
 }
 
 static size_t calls, fails_at, failed;
@@ -611,10 +707,13 @@ TEST_MAIN()
     RUN_TEST(test_the_only_right_view_of_a_camera_stays_if_its_pose_is_known);
     RUN_TEST(test_the_rig_is_adjusted_no_more_than_it_takes);
     RUN_TEST(test_of_two_views_that_contradict_each_other_both_are_named);
+    RUN_TEST(test_of_a_camera_with_two_views_that_contradict_both_are_named);
     RUN_TEST(test_a_view_that_nobody_shares_is_unchecked);
     RUN_TEST(test_a_view_that_nobody_shares_is_unchecked_if_it_is_left_out_too);
     RUN_TEST(test_a_second_pose_is_taken_up);
+    RUN_TEST(test_a_placement_that_is_taken_up_is_moved_to_its_views);
     RUN_TEST(test_the_same_bits_whatever_the_budgets);
+    RUN_TEST(test_a_unit_of_an_adjustment_is_one_of_the_judge);
     RUN_TEST(test_a_source_that_fails_ends_the_judgement);
     RUN_TEST(test_what_cannot_be_judged_is_refused);
 }

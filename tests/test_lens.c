@@ -647,6 +647,24 @@ static void test_nothing_is_proved_beyond_a_pole(void)
 #endif
 }
 
+/* With k3 = -5/7 and k6 = -1 the denominator is 1 - r^6. The slope of the map is 1 + 5/7
+ * r^12, divided by its square. So only the denominator shows the pole at r = 1. Just behind
+ * the pole, the last term of its bound decides. */
+static void test_a_pole_that_the_slope_does_not_show_ends_what_is_usable(void)
+{
+    const rigcal_camera camera = {.fx = 1, .fy = 1, .k3 = RC(-5.0 / 7), .k6 = -1};
+
+    for (int way = 0; way < 8; way++) {
+        const double c = cos(TEST_PI / 4 * way), s = sin(TEST_PI / 4 * way);
+        const double before = sqrt(0.98), beyond = sqrt(1.02);
+        const rigcal_real seen[2] = {RC(before * c), RC(before * s)};
+        const rigcal_real unseen[2] = {RC(beyond * c), RC(beyond * s)};
+
+        TEST_ASSERT_TRUE(rc_lens_is_usable(&camera, seen));
+        TEST_ASSERT_FALSE(rc_lens_is_usable(&camera, unseen));
+    }
+}
+
 /* F = r - r^3 / 3 turns back at r = 1. Near that place a step of Newton's method only
  * halves the error. From F(0.999) the first error is a third. */
 static void test_a_place_near_the_turn_takes_more_than_a_few_steps(void)
@@ -659,6 +677,41 @@ static void test_a_place_near_the_turn_takes_more_than_a_few_steps(void)
     TEST_ASSERT_FALSE(rc_lens_invert_within(x, &camera, target, RC(0.9999)));
     TEST_ASSERT_TRUE(rc_lens_invert(x, &camera, target, RC(TOL(1e-12, 1e-6))));
     ASSERT_NEAR(0.999, x[0], TOL(1e-9, 2e-3));
+#endif
+}
+
+/* The lens turns back at r = 1. Newton's method, written out here along the radius, tells
+ * how near it is before each step. Its last step begins within 1e-5 of the target, in float
+ * within 1e-4. A place is found if the fifth step can be the last. */
+static void test_a_place_is_found_if_five_steps_reach_it(void)
+{
+#if RIGCAL_FOR_SPEED
+    enum { STEPS = 5 };
+    const rigcal_camera camera = {.fx = 1, .fy = 1, .k1 = RC(-1.0 / 3)};
+    const double near = TOL(1e-5, 1e-4);
+    int n_last = 0, n_more = 0;
+
+    for (int i = 500; i < 999; i++) {
+        const double place = i / 1000.0, wanted = place - place * place * place / 3;
+        const rigcal_real target[2] = {RC(0.6 * wanted), RC(-0.8 * wanted)};
+        double r = wanted, miss[STEPS];
+        rigcal_real x[2];
+
+        for (int k = 0; k < STEPS; k++) {
+            miss[k] = fabs(wanted - (r - r * r * r / 3));
+            r += (wanted - (r - r * r * r / 3)) / (1 - r * r);
+        }
+        const int is_found = rc_lens_invert_within(x, &camera, target, RC(0.9999));
+        if (miss[STEPS - 1] > 1.1 * near) {
+            TEST_ASSERT_FALSE(is_found);
+            n_more++;
+        } else if (miss[STEPS - 1] < 0.9 * near) {
+            TEST_ASSERT_TRUE(is_found);
+            ASSERT_NEAR(place, hypot(D(x[0]), D(x[1])), TOL(1e-7, 1e-3));
+            n_last += miss[STEPS - 2] > 1.1 * near;
+        }
+    }
+    TEST_ASSERT_TRUE(n_last > 0 && n_more > 0);
 #endif
 }
 
@@ -695,14 +748,14 @@ static void test_a_place_before_a_pole_is_reached_in_many_parts(void)
 }
 
 /* Newton's method in a disc that is proved ends in the disc, to the edge and no farther.
- * What lies behind the two numbers of the place is not looked at. */
+ * What the place was before is not looked at, nor what lies behind its two numbers. */
 static void test_a_place_in_a_disc_is_found_if_it_is_in_it(void)
 {
 #if RIGCAL_FOR_SPEED
     const rigcal_camera camera = {.fx = 1, .fy = 1, .k1 = RC(0.1)};
     const double radius = hypot(0.3, -0.4), scale = 1 + 0.1 * radius * radius;
     const rigcal_real target[2] = {RC(0.3 * scale), RC(-0.4 * scale)};
-    rigcal_real x[3] = {0, 0, TEST_NAN};
+    rigcal_real x[3] = {TEST_NAN, TEST_NAN, TEST_NAN};
 
     TEST_ASSERT_TRUE(rc_lens_invert_within(x, &camera, target, 1));
     ASSERT_NEAR(0.3, x[0], TOL(1e-12, 1e-6));
@@ -880,7 +933,9 @@ TEST_MAIN()
     RUN_TEST(test_any_lens_projects_up_to_its_turning_point_and_not_beyond);
     RUN_TEST(test_a_radial_lens_has_rays_exactly_inside_its_circle);
     RUN_TEST(test_nothing_is_proved_beyond_a_pole);
+    RUN_TEST(test_a_pole_that_the_slope_does_not_show_ends_what_is_usable);
     RUN_TEST(test_a_place_near_the_turn_takes_more_than_a_few_steps);
+    RUN_TEST(test_a_place_is_found_if_five_steps_reach_it);
     RUN_TEST(test_a_place_before_a_pole_is_reached_in_many_parts);
     RUN_TEST(test_a_place_in_a_disc_is_found_if_it_is_in_it);
     RUN_TEST(test_a_proved_disc_holds_what_is_seen_within_its_reach);

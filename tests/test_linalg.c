@@ -274,6 +274,28 @@ static void test_the_thickness_is_that_of_the_least_extent(void)
     }
 }
 
+/* Then any direction is one of least extent, and the thickness is a ninth. No power of the
+ * matrix underflows. */
+static void test_points_that_extend_alike_have_some_normal(void)
+{
+    test_rng rng = test_seed(11);
+    for (int trial = 0; trial < 20; trial++) {
+        double x[6][3], Q[9], n[3];
+        rigcal_real C[6], normal[3] = {0, 0, 0}, thickness = -1;
+        test_random_rotation(Q, &rng);
+        for (int i = 0; i < 6; i++) {
+            double along[3] = {0, 0, 0};
+            along[i / 2] = i % 2 ? 1 : -1;
+            test_apply(x[i], Q, along, NULL);
+        }
+        moments_of(C, x, 6);
+        TEST_ASSERT_TRUE(rc_sym3_thinnest(normal, &thickness, C));
+        test_to_double(n, normal, 3);
+        ASSERT_NEAR(1, test_norm(n), TOL(1e-14, 1e-6));
+        ASSERT_NEAR(1.0 / 9, thickness, TOL(1e-14, 1e-6));
+    }
+}
+
 /* In any unit of length. */
 static void test_points_on_a_line_have_no_normal(void)
 {
@@ -586,6 +608,29 @@ static void test_packed_equations_are_solved(void)
     }
 }
 
+/* A diagonal that is 0, negative or no number; an indefinite matrix; one whose second row
+ * is the first to rounding. */
+static void test_a_packed_matrix_without_an_inverse_is_refused(void)
+{
+    static const double BAD[5][3] = {
+        {0, 0, 1}, {1, 0, -1}, {1, 0, 0}, {1, 2, 1}, {1, 1, 1}};
+
+    for (int k = 0; k < 5; k++) {
+        rigcal_real P[3] = {RC(BAD[k][0]), RC(BAD[k][1]), RC(BAD[k][2])};
+
+        TEST_ASSERT_FALSE(rc_packed_invert(P, 2));
+    }
+    rigcal_real P[3] = {4, 2, TEST_NAN};
+    TEST_ASSERT_FALSE(rc_packed_invert(P, 2));
+    P[0] = 4;
+    P[1] = 2;
+    P[2] = 2;
+    TEST_ASSERT_TRUE(rc_packed_invert(P, 2));
+    ASSERT_NEAR(0.5, P[0], TOL(1e-15, 1e-6)); /* of (4 2; 2 2) */
+    ASSERT_NEAR(-0.5, P[1], TOL(1e-15, 1e-6));
+    ASSERT_NEAR(1, P[2], TOL(1e-15, 1e-6));
+}
+
 static void test_a_packed_matrix_is_inverted_in_place(void)
 {
     test_rng rng = test_seed(16);
@@ -664,6 +709,7 @@ TEST_MAIN()
     RUN_TEST(test_a_direction_is_completed_to_a_rotation);
     RUN_TEST(test_the_normal_of_a_plane_is_found);
     RUN_TEST(test_the_thickness_is_that_of_the_least_extent);
+    RUN_TEST(test_points_that_extend_alike_have_some_normal);
     RUN_TEST(test_points_on_a_line_have_no_normal);
     RUN_TEST(test_damping_adds_to_the_diagonal);
     RUN_TEST(test_six_equations_are_solved);
@@ -674,6 +720,7 @@ TEST_MAIN()
     RUN_TEST(test_a_packed_factor_on_paper);
     RUN_TEST(test_a_packed_factor_of_any_size_is_one);
     RUN_TEST(test_packed_equations_are_solved);
+    RUN_TEST(test_a_packed_matrix_without_an_inverse_is_refused);
     RUN_TEST(test_a_packed_matrix_is_inverted_in_place);
     RUN_TEST(test_a_packed_pivot_is_refused_up_to_the_least);
     RUN_TEST(test_numbers_are_checked);

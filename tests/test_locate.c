@@ -70,6 +70,7 @@ static rigcal_status locate(void)
 
     ASSERT_STATUS(RIGCAL_OK, rigcal_point_begin(&solver, &s));
     ASSERT_STATUS(RIGCAL_RUNNING, rigcal_point_step(&solver, (int32_t)s.n)); /* checked */
+    solver.aside = 1; /* a point begins without what was before */
     rc_locate_begin(&solver, s.n);
     for (int units = 0; status == RIGCAL_RUNNING; units++) {
         TEST_ASSERT_TRUE(units < 60 * N);
@@ -166,12 +167,39 @@ static void test_no_point_nearby_is_better(void)
     }
 }
 
+/* Noise of a power of two times another in all views scales all sums and equations exactly.
+ * So the search takes the same way to the same point, bit by bit. */
+static void test_how_large_the_noise_is_does_not_move_the_point(void)
+{
+    const rigcal_real times = TOL(524288, 1024);
+    test_rng rng = test_seed(636);
+    int found = 0;
+
+    for (int trial = 0; trial < TEST_TRIALS(200); trial++) {
+        rigcal_real X[3];
+
+        build(&rng, 60);
+        const rigcal_status status = locate();
+        memcpy(X, solver.X, sizeof X);
+        for (int i = 0; i < N; i++) {
+            noise[i] = times;
+        }
+        ASSERT_STATUS(status, locate());
+        if (status == RIGCAL_OK) {
+            TEST_ASSERT_EQUAL_MEMORY(X, solver.X, sizeof X);
+            found++;
+        }
+    }
+    TEST_ASSERT_TRUE(found > TEST_TRIALS(200) / 3);
+}
+
 /* The rays are far from meeting. So a search takes long, goes back, or goes away to
- * infinity. */
+ * infinity. There no step is fixed any more, and the search ends before its evaluations
+ * are spent. */
 static void test_no_point_near_one_of_wild_views_is_better(void)
 {
     test_rng rng = test_seed(633);
-    int counts[3] = {0, 0, 0};
+    int counts[3] = {0, 0, 0}, far = 0, spent = 0;
 
     for (int trial = 0; trial < TEST_TRIALS(20000); trial++) {
         double X[3];
@@ -181,6 +209,11 @@ static void test_no_point_near_one_of_wild_views_is_better(void)
         build_views(&v);
         const rigcal_status status = locate();
         test_to_double(X, solver.X, 3);
+        TEST_ASSERT_TRUE(solver.evals <= RC_TRIANGULATION_EVALS);
+        if (test_norm(X) > TOL(1e6, 1e3)) {
+            far++;
+            spent += solver.evals == RC_TRIANGULATION_EVALS;
+        }
         if (status == RIGCAL_OK) {
             const double least = test_views_sum(&v, X), step = 1e-3 * (1 + test_norm(X));
 
@@ -200,6 +233,7 @@ static void test_no_point_near_one_of_wild_views_is_better(void)
                              status == RIGCAL_ERR_DEGENERATE);
         }
     }
+    TEST_ASSERT_TRUE(TEST_ONE_IN > 1 || (far > 100 && spent < far / 10));
     for (int i = 0; i < 3; i++) {
         TEST_ASSERT_TRUE(TEST_ONE_IN > 1 || counts[i] > 20);
     }
@@ -236,6 +270,33 @@ static void test_a_covariance_that_overflows_is_told(void)
     rig.sigma_px = 0;
 }
 
+static void test_the_parallax_is_the_widest_angle_of_two_rays(void)
+{
+    test_rng rng = test_seed(637);
+
+    for (int trial = 0; trial < TEST_TRIALS(100); trial++) {
+        double rays[N][3], widest = 0;
+
+        build(&rng, 30);
+        (void)locate();
+        for (int i = 0; i < N; i++) {
+            rigcal_real ray[3];
+            double X_c[3], R[9], t[3], Rt[9];
+
+            ASSERT_STATUS(RIGCAL_OK,
+                          rigcal_camera_ray(ray, &cameras[i].camera, seen[i].uv));
+            test_to_double(X_c, ray, 3);
+            test_transform_parts(R, t, &cameras[i].cam_from_rig);
+            test_transpose(Rt, R);
+            test_apply(rays[i], Rt, X_c, NULL);
+            for (int k = 0; k < i; k++) {
+                widest = fmax(widest, acos(test_dot(rays[i], rays[k])));
+            }
+        }
+        ASSERT_NEAR(widest, rc_locate_parallax(&solver), TOL(1e-7, 1e-3));
+    }
+}
+
 /* A squared sine may be above 1 by rounding. */
 static void test_the_angle_of_rays_is_at_most_90_degrees(void)
 {
@@ -266,8 +327,10 @@ TEST_MAIN()
     RUN_TEST(test_the_first_step_is_damped);
     RUN_TEST(test_equations_are_those_of_the_point_that_is_found);
     RUN_TEST(test_no_point_nearby_is_better);
+    RUN_TEST(test_how_large_the_noise_is_does_not_move_the_point);
     RUN_TEST(test_no_point_near_one_of_wild_views_is_better);
     RUN_TEST(test_a_point_that_grazes_a_camera_is_refused);
+    RUN_TEST(test_the_parallax_is_the_widest_angle_of_two_rays);
     RUN_TEST(test_the_angle_of_rays_is_at_most_90_degrees);
     RUN_TEST(test_a_covariance_that_overflows_is_told);
 }

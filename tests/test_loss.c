@@ -297,18 +297,47 @@ static void test_a_loss_wants_the_noise(void)
                   rigcal_rig_robust_begin(&solver, &r.rig, RIGCAL_LOSS_HUBER));
 }
 
+/* Huber's loss needs all points. If one cannot be seen, the second loss is not begun. */
+static void test_a_placement_behind_the_cameras_is_refused(void)
+{
+    test_rng rng = test_seed(388);
+    rigcal_rig_fit fit;
+    size_t n_wrong;
+    int32_t at_fault = -2;
+
+    WANTS_RIG;
+    make(&rng, 0);
+    const int32_t v = (int32_t)r.rig.n_views - 1, f = r.views[v].placement;
+    const rigcal_transform cam = r.cams[r.views[v].camera], back = test_inverse(&cam);
+    rigcal_transform T = test_times(&cam, &r.places[f]);
+
+    T.t[2] = -T.t[2];
+    r.places[f] = test_times(&back, &T);
+    ASSERT_STATUS(RIGCAL_ERR_BEHIND,
+                  rigcal_rig_adjust_robust(&fit, &n_wrong, &at_fault, &r.rig));
+    TEST_ASSERT_EQUAL_INT32(f, r.views[at_fault].placement);
+}
+
 static void test_without_room_for_the_answer_nothing_moves(void)
 {
     static rigcal_transform before[RIG_CAMERAS_MAX];
     test_rng rng = test_seed(387);
     rigcal_rig_fit fit;
+    static rigcal_rig_solver solver;
+    int32_t at_fault = -2;
     size_t n_wrong;
 
     WANTS_RIG;
     make(&rng, 0.05);
     memcpy(before, r.cams, sizeof before);
-    ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_rig_adjust_robust(NULL, &n_wrong, NULL, &r.rig));
+    ASSERT_STATUS(RIGCAL_ERR_NULL,
+                  rigcal_rig_adjust_robust(NULL, &n_wrong, &at_fault, &r.rig));
+    TEST_ASSERT_EQUAL_INT32(-1, at_fault); /* no view */
     ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_rig_adjust_robust(&fit, NULL, NULL, &r.rig));
+    at_fault = -2;
+    ASSERT_STATUS(RIGCAL_ERR_NULL,
+                  rigcal_rig_robust_result(NULL, &n_wrong, &at_fault, &solver));
+    TEST_ASSERT_EQUAL_INT32(-1, at_fault);
     TEST_ASSERT_EQUAL_MEMORY(before, r.cams, sizeof before);
 }
 
@@ -322,5 +351,6 @@ TEST_MAIN()
     RUN_TEST(test_the_budget_changes_no_bit);
     RUN_TEST(test_without_freedom_no_noise_is_found);
     RUN_TEST(test_a_loss_wants_the_noise);
+    RUN_TEST(test_a_placement_behind_the_cameras_is_refused);
     RUN_TEST(test_without_room_for_the_answer_nothing_moves);
 }

@@ -369,6 +369,34 @@ static void test_views_that_agree_better_than_noise_do_not_raise_the_limit(void)
     ASSERT_NEAR(1, b.judgement.scale, 0);
 }
 
+/* The same ring, with half of its noise stated. One cycle is enough to show by how much more
+ * than that its views differ. */
+static void test_one_cycle_shows_the_scale(void)
+{
+    test_rng rng = test_seed(983);
+    size_t n = 0;
+    int n_small;
+
+    TEST_WANTS_RAM(sizeof(test_boards) + 20000);
+    test_boards_make(&b, &rng, 6, 6, 6, NOISE, 0);
+    for (size_t v = 0; v < b.rig.n_views; v++) {
+        const int c = b.views[v].camera, f = b.views[v].placement;
+
+        if (c == f || c == (f + 1) % 6) {
+            b.views[n++] = b.views[v];
+        }
+    }
+    b.rig.n_views = n;
+    test_boards_solve(&b);
+    b.choice.sigma_px = RC(NOISE / 2);
+    ASSERT_STATUS(RIGCAL_OK, rigcal_rig_judge(&b.judgement, NULL, b.judged, b.left_out,
+                                              &b.choice, &b.rig));
+    TEST_ASSERT_EQUAL_INT32(12, b.judgement.n_fit);
+    const double scale = scale_of_costs(5, &n_small);
+    TEST_ASSERT_TRUE(scale > 1.1);
+    ASSERT_NEAR(scale, b.judgement.scale, TOL(1e-9, 1e-3) * scale);
+}
+
 /* Two cameras that are held, with n_places placements. All numbers of the first three are
  * sums of powers of two, so their residuals are 0 to the last bit. The others have
  * noise. */
@@ -539,6 +567,7 @@ TEST_MAIN()
     RUN_TEST(test_a_view_of_what_is_behind_its_camera_has_no_error);
     RUN_TEST(test_the_scale_is_that_of_the_median_cost);
     RUN_TEST(test_views_that_agree_better_than_noise_do_not_raise_the_limit);
+    RUN_TEST(test_one_cycle_shows_the_scale);
     RUN_TEST(test_a_cost_of_0_counts);
     RUN_TEST(test_a_claim_has_the_covariance_of_its_camera);
 }

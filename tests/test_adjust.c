@@ -536,6 +536,62 @@ static void test_a_placement_that_its_views_do_not_fix_is_degenerate(void)
     TEST_ASSERT_EQUAL_MEMORY(places, r.places, sizeof places);
 }
 
+/* All lengths, in another unit: points, and where the search starts. */
+static void change_unit(double unit)
+{
+    for (size_t v = 0; v < r.rig.n_views; v++) {
+        for (int i = 0; i < r.n_points; i++) {
+            for (int k = 0; k < 3; k++) {
+                r.o[v][i].X_w[k] *= RC(unit);
+            }
+        }
+    }
+    for (int i = 0; i < RIG_CAMERAS_MAX + RIG_PLACEMENTS_MAX; i++) {
+        for (int k = 0; k < 3; k++) {
+            if (i < RIG_CAMERAS_MAX) {
+                r.cams[i].t[k] *= RC(unit);
+            } else {
+                r.places[i - RIG_CAMERAS_MAX].t[k] *= RC(unit);
+            }
+        }
+    }
+}
+
+/* Lengths in units that are a metre times a power of two. Turns and pixels are the same,
+ * and lengths are as many units more or fewer. */
+static void test_the_unit_of_length_does_not_matter(void)
+{
+    static const int POWER[3] = {10, RIGCAL_USE_FLOAT ? -20 : -30,
+                                 RIGCAL_USE_FLOAT ? 20 : 30};
+
+    WANTS_RIGS(1);
+    for (int trial = 0; trial < 3; trial++) {
+        rigcal_transform cams[RIG_CAMERAS_MAX], places[RIG_PLACEMENTS_MAX];
+        rigcal_rig_fit metres, units;
+        double turn, shift;
+
+        for (int is_other = 0; is_other < 2; is_other++) {
+            test_rng rng = test_seed(332);
+
+            test_rig_random(&r, &rng, 3, 5, 8);
+            test_rig_see_all(&r, &rng, 0.3);
+            test_rig_start(&r, &rng, 0.03, 0.03);
+            if (is_other) {
+                change_unit(ldexp(1, POWER[trial]));
+                adjust(&units, &r);
+                change_unit(ldexp(1, -POWER[trial]));
+            } else {
+                adjust(&metres, &r);
+                memcpy(cams, r.cams, sizeof cams);
+                memcpy(places, r.places, sizeof places);
+            }
+        }
+        furthest(&turn, &shift, &r, cams, places);
+        TEST_ASSERT_TRUE(turn < TOL(1e-9, 1e-4) && shift < TOL(1e-9, 1e-4));
+        ASSERT_NEAR(D(metres.sum), units.sum, TOL(1e-9, 1e-4) * D(metres.sum));
+    }
+}
+
 /* If all evaluations are spent, a search that could still gain ends with BUDGET_SPENT. A
  * search that has arrived does not. */
 static void test_the_evaluations_are_bounded(void)
@@ -619,6 +675,7 @@ TEST_MAIN()
     RUN_TEST(test_a_pair_does_not_depend_on_which_camera_is_held);
     RUN_TEST(test_residuals_are_observed_less_projected);
     RUN_TEST(test_a_placement_that_its_views_do_not_fix_is_degenerate);
+    RUN_TEST(test_the_unit_of_length_does_not_matter);
     RUN_TEST(test_the_evaluations_are_bounded);
     RUN_TEST(test_after_the_last_evaluation_nothing_moves);
 }

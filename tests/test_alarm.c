@@ -398,6 +398,27 @@ static void test_rows_that_overflow_raise_no_alarm_and_are_forgotten(void)
     }
 }
 
+/* A window whose determinant overflows counts for nothing, as one without rows does: here
+ * that of all bodies, in each of their windows. */
+static void test_a_window_that_overflows_says_nothing(void)
+{
+    test_rng rng = test_seed(17);
+    begin(0.5);
+    for (size_t b = 0; b < BODIES; b++) {
+        row r = row_of(&rng, 1);
+        r.body[0] = b;
+        r.body[1] = (b + 1) % BODIES;
+        for (int k = 0; k < 12; k++) {
+            r.h[k / 6][k % 6] = TOL(1e200, 1e25);
+        }
+        feed(&r);
+    }
+    TEST_ASSERT_TRUE(rc_alarm_frame(&alarm, bodies) < -50);
+    for (size_t b = 0; b < BODIES; b++) {
+        ASSERT_NEAR(1.0 / BODIES, share_of(b), TOL(1e-12, 1e-5));
+    }
+}
+
 /* Turns about the second axis, or about two or all three, change no row. */
 static void test_no_turn_about_an_axis_that_is_not_seen_would_be_noticed(void)
 {
@@ -593,6 +614,7 @@ TEST_MAIN()
     RUN_TEST(test_the_evidence_is_right_where_rows_say_very_much);
     RUN_TEST(test_evidence_beyond_all_exponents_is_a_number);
     RUN_TEST(test_rows_that_overflow_raise_no_alarm_and_are_forgotten);
+    RUN_TEST(test_a_window_that_overflows_says_nothing);
     RUN_TEST(test_no_turn_about_an_axis_that_is_not_seen_would_be_noticed);
     RUN_TEST(test_a_frame_without_rows_says_nothing);
     RUN_TEST(test_a_body_without_rows_is_blind_and_sees_again);

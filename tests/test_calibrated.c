@@ -49,6 +49,7 @@ static void take(double sigma_px)
 {
     for (size_t c = 0; c < r.rig.n_cameras; c++) {
         cameras[c].camera = r.camera[c];
+        FILL(cameras[c].Sigma);
     }
     ASSERT_STATUS(RIGCAL_OK, rigcal_calibrated_take(&kept, &r.rig, &fit, RC(sigma_px)));
 }

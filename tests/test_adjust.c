@@ -536,6 +536,53 @@ static void test_a_placement_that_its_views_do_not_fix_is_degenerate(void)
     TEST_ASSERT_EQUAL_MEMORY(places, r.places, sizeof places);
 }
 
+/* A source of views that fails once, in the call of number `fails`. */
+static struct {
+    int calls, fails;
+    size_t view; /* that was asked for when it failed */
+} asked;
+
+static rigcal_status fails_once(rigcal_rig_view *view, size_t index, void *context)
+{
+    (void)context;
+    *view = r.views[index];
+    if (++asked.calls == asked.fails) {
+        asked.view = index;
+        return RIGCAL_ERR_DAMAGED;
+    }
+    return RIGCAL_OK;
+}
+
+/* Whenever a view cannot be read, the search ends. A step that was tried is not to blame. */
+static void test_a_view_that_cannot_be_read_ends_the_search(void)
+{
+    int n = 0;
+
+    WANTS_RIGS(1);
+    for (int k = 0; k == 0 || k <= n; k++) {
+        test_rng rng = test_seed(333);
+        rigcal_rig_fit fit;
+        int32_t at_fault;
+
+        test_rig_random(&r, &rng, 2, 3, 6);
+        test_rig_see_all(&r, &rng, 0.3);
+        test_rig_start(&r, &rng, 0.1, 0.1);
+        r.rig.views = NULL;
+        r.rig.view_source = fails_once;
+        asked.calls = 0;
+        asked.fails = k;
+        if (k == 0) {
+            adjust(&fit, &r);
+            n = asked.calls;
+            TEST_ASSERT_TRUE(fit.evals > 3);
+            continue;
+        }
+        ASSERT_REFUSED(RIGCAL_ERR_DAMAGED, fit, rigcal_rig_adjust(&fit, &at_fault, &r.rig));
+        TEST_ASSERT_EQUAL_INT(k, asked.calls); /* nothing is read after it */
+        TEST_ASSERT_EQUAL_INT32((int32_t)asked.view, at_fault);
+    }
+}
+
 /* All lengths, in another unit: points, and where the search starts. */
 static void change_unit(double unit)
 {
@@ -675,6 +722,7 @@ TEST_MAIN()
     RUN_TEST(test_a_pair_does_not_depend_on_which_camera_is_held);
     RUN_TEST(test_residuals_are_observed_less_projected);
     RUN_TEST(test_a_placement_that_its_views_do_not_fix_is_degenerate);
+    RUN_TEST(test_a_view_that_cannot_be_read_ends_the_search);
     RUN_TEST(test_the_unit_of_length_does_not_matter);
     RUN_TEST(test_the_evaluations_are_bounded);
     RUN_TEST(test_after_the_last_evaluation_nothing_moves);

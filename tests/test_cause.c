@@ -934,6 +934,11 @@ static void test_permutations_are_checked(void)
     ASSERT_REFUSED(RIGCAL_ERR_RANGE, cause, CAUSE);
     permutations[PAIRS * BOARD_POINTS + 4] = 4; /* twice */
     ASSERT_REFUSED(RIGCAL_ERR_RANGE, cause, CAUSE);
+    for (int32_t way = 0; way < 3; way++) { /* the first point too */
+        fill_permutations();
+        permutations[0] = (way == 0) ? -1 : (way == 1) ? BOARD_POINTS : permutations[1];
+        ASSERT_REFUSED(RIGCAL_ERR_RANGE, cause, CAUSE);
+    }
     fill_permutations();
     ASSERT_STATUS(RIGCAL_OK, CAUSE);
     symmetries.n_points = 2;

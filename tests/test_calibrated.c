@@ -270,6 +270,35 @@ static void test_what_cannot_be_taken_is_refused_and_nothing_written(void)
     assert_not_taken(RIGCAL_ERR_STATE, 1);
 }
 
+/* Whichever camera is held, the others are free, also the first. */
+static void test_any_camera_may_be_the_one_that_is_held(void)
+{
+    WANTS_RIG;
+    for (size_t which = 0; which < N; which++) {
+        test_rng rng = test_seed(364);
+
+        test_rig_random(&r, &rng, N, 4, 8);
+        test_rig_see_all(&r, &rng, 0.3);
+        memset(r.roles, RIGCAL_CAMERA_FREE, sizeof r.roles);
+        r.roles[which] = RIGCAL_CAMERA_HELD;
+        r.rig.roles = r.roles;
+        ASSERT_STATUS(RIGCAL_OK, rigcal_rig_adjust(&fit, NULL, &r.rig));
+        clear();
+        kept.Sigma_capacity = RIGCAL_CALIBRATED_SIZE(FREE) - 1;
+        assert_not_taken(RIGCAL_ERR_CAPACITY, 1);
+        kept.Sigma_capacity++;
+        take(1);
+        for (size_t c = 0; c < N; c++) {
+            rigcal_real expected[36];
+
+            TEST_ASSERT_EQUAL_INT(c == which, held[c]);
+            ASSERT_STATUS(RIGCAL_OK, rigcal_rig_covariance(expected, &r.rig, 1, c));
+            TEST_ASSERT_EQUAL_INT(c != which, expected[0] > 0);
+            assert_same(expected, cameras[c].Sigma, 36);
+        }
+    }
+}
+
 /* Two cameras see the target; all others of the rig are held as well. */
 static void test_the_most_cameras_are_taken(void)
 {
@@ -524,6 +553,7 @@ TEST_MAIN()
     RUN_TEST(test_cameras_of_two_groups_have_no_pair);
     RUN_TEST(test_without_a_fit_the_closure_is_not_known);
     RUN_TEST(test_what_cannot_be_taken_is_refused_and_nothing_written);
+    RUN_TEST(test_any_camera_may_be_the_one_that_is_held);
     RUN_TEST(test_the_most_cameras_are_taken);
     RUN_TEST(test_a_rig_that_is_not_valid_is_not_asked);
     RUN_TEST(test_too_many_free_cameras_are_refused);

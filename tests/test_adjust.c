@@ -171,6 +171,22 @@ static void test_too_little_memory_is_no_views_fault(void)
     ASSERT_STATUS(RIGCAL_OK, rigcal_rig_adjust(&fit, &at_fault, &r.rig));
 }
 
+static void test_a_role_that_is_none_is_no_views_fault(void)
+{
+    rigcal_rig_fit fit;
+    int32_t at_fault = 0;
+
+    WANTS_RIGS(1);
+    rig_of_vectors(0);
+    memset(r.roles, RIGCAL_CAMERA_FREE, sizeof r.roles);
+    r.rig.roles = r.roles;
+    ASSERT_STATUS(RIGCAL_OK, rigcal_rig_adjust(&fit, &at_fault, &r.rig));
+    r.roles[1] = RIGCAL_CAMERA_PRIOR + 1;
+    at_fault = 0;
+    ASSERT_REFUSED(RIGCAL_ERR_RANGE, fit, rigcal_rig_adjust(&fit, &at_fault, &r.rig));
+    TEST_ASSERT_EQUAL_INT32(-1, at_fault);
+}
+
 static void test_one_camera_is_solved_again_with_the_others_held(void)
 {
     static const uint8_t ROLES[3] = {RIGCAL_CAMERA_HELD, RIGCAL_CAMERA_HELD,
@@ -709,6 +725,7 @@ TEST_MAIN()
 {
     RUN_TEST(test_all_poses_and_covariances_are_those_of_dense_least_squares);
     RUN_TEST(test_too_little_memory_is_no_views_fault);
+    RUN_TEST(test_a_role_that_is_none_is_no_views_fault);
     RUN_TEST(test_one_camera_is_solved_again_with_the_others_held);
     RUN_TEST(test_what_is_known_beforehand_counts_by_its_covariance);
     RUN_TEST(test_the_loop_closure_is_that_of_the_vectors);

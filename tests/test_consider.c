@@ -861,6 +861,26 @@ static void test_bad_deviations_and_memory_are_refused(void)
     ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_rig_consider(&considered, NULL, &r.rig));
 }
 
+/* Whichever camera is held, the effects take as many numbers, also if they are computed
+ * again. */
+static void test_any_camera_may_be_the_one_that_is_held(void)
+{
+    WANTS;
+    for (int which = 0; which < CAMERAS; which++) {
+        make(7344);
+        memset(r.roles, RIGCAL_CAMERA_FREE, sizeof r.roles);
+        r.roles[which] = RIGCAL_CAMERA_HELD;
+        r.rig.roles = r.roles;
+        adjust();
+        considered.capacity = (6 * (CAMERAS - 1) + 6) * COLUMNS;
+        for (int time = 0; time < 2; time++) {
+            ASSERT_STATUS(RIGCAL_OK, rigcal_rig_consider(&considered, NULL, &r.rig));
+        }
+        considered.capacity--;
+        ASSERT_STATUS(RIGCAL_ERR_CAPACITY, rigcal_rig_consider(&considered, NULL, &r.rig));
+    }
+}
+
 static void test_a_view_that_has_changed_is_told(void)
 {
     int32_t at_fault = -2;
@@ -930,6 +950,7 @@ TEST_MAIN()
     RUN_TEST(test_an_adjustment_forgets_what_was_considered);
     RUN_TEST(test_the_budget_changes_no_bit);
     RUN_TEST(test_bad_deviations_and_memory_are_refused);
+    RUN_TEST(test_any_camera_may_be_the_one_that_is_held);
     RUN_TEST(test_a_view_that_has_changed_is_told);
     RUN_TEST(test_the_memory_for_clocks_is_that_of_the_macro);
 }

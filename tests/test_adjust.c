@@ -617,7 +617,8 @@ static rigcal_status fails_once(rigcal_rig_view *view, size_t index, void *conte
     return RIGCAL_OK;
 }
 
-/* Whenever a view cannot be read, the search ends. A step that was tried is not to blame. */
+/* Whenever a view cannot be read, the search ends. A step that was tried is not to
+ * blame. */
 static void test_a_view_that_cannot_be_read_ends_the_search(void)
 {
     int n = 0;

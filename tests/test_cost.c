@@ -406,8 +406,8 @@ static void test_views_that_agree_better_than_noise_do_not_raise_the_limit(void)
     ASSERT_NEAR(1, b.judgement.scale, 0);
 }
 
-/* The same ring, with half of its noise stated. One cycle is enough to show by how much more
- * than that its views differ. */
+/* The same ring, with half of its noise stated. One cycle is enough to show by how much
+ * more than that its views differ. */
 static void test_one_cycle_shows_the_scale(void)
 {
     test_rng rng = test_seed(983);

@@ -486,6 +486,10 @@ static void test_widths_end_where_the_header_says(void)
     scene.pair.k = 100;
     scene.pair.sigma_b = RC(1.0001e6);
     ASSERT_REFUSED(RIGCAL_ERR_RANGE, band, rigcal_band_make(&band, &scene.pair, uv));
+    scene.pair.sigma_b = scene.pair.sigma_a = RC(1e6); /* far more than the line is away */
+    ASSERT_REFUSED(RIGCAL_ERR_EPIPOLE, band, rigcal_band_make(&band, &scene.pair, uv));
+    scene.pair.sigma_a = RC(1.0001e6);
+    ASSERT_REFUSED(RIGCAL_ERR_RANGE, band, rigcal_band_make(&band, &scene.pair, uv));
 }
 
 /* The variance of the direction of t is that of t across it, over |t|^2. The variance of
@@ -497,7 +501,7 @@ static void test_a_covariance_that_overflows_is_out_of_range(void)
     const rigcal_real uv[2] = {330, 240};
 
     look_the_same_way(beside, 0.5);
-    scene.pair.Sigma[28] = scene.pair.Sigma[35] = RC(TOL(1e295, 1e25));
+    scene.pair.Sigma[28] = scene.pair.Sigma[35] = RC(0.9) * RC_MAX; /* as is their sum */
     ASSERT_REFUSED(RIGCAL_ERR_RANGE, band, rigcal_band_make(&band, &scene.pair, uv));
     look_the_same_way(far, 0.5);
     for (int k = 0; k < 3; k++) {

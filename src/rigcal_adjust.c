@@ -235,13 +235,13 @@ void rc_rig_move(const rigcal_rig_solver *s, const rc_rig_parts *parts)
 
 /* Ends the search. The covariance needs the factor of undamped equations, so a pass may
  * follow. */
-static void end_search(rigcal_rig_solver *s, rigcal_status status, int is_factored)
+static void end_search(rigcal_rig_solver *s, rigcal_status status)
 {
     s->search.status = status;
     if (s->is_join) {
         s->phase = RC_RIG_DONE;
         rc_rig_forget(s->rig);
-    } else if (is_factored && !(s->search.lambda > 0)) {
+    } else if (!(s->search.lambda > 0)) {
         s->phase = RC_RIG_INVERTING;
     } else {
         s->search.lambda = 0;
@@ -267,7 +267,7 @@ static void take_step(rigcal_rig_solver *s, const rc_rig_parts *parts)
     const int step =
         rc_levenberg_promised(&s->search, gain, is_enough ? gain : s->negligible);
     if (step == RC_STEP_TRY && s->evals >= PASSES_MAX) {
-        end_search(s, RIGCAL_BUDGET_SPENT, 1);
+        end_search(s, RIGCAL_BUDGET_SPENT);
         return;
     }
     save_poses(s->rig, parts);
@@ -335,7 +335,7 @@ static void end_pass(rigcal_rig_solver *s, rigcal_status status)
             rc_rig_end(s, status, (int32_t)s->view);
         } else if (s->is_last) {
             s->is_last = 0;
-            end_search(s, RIGCAL_OK, 1);
+            end_search(s, RIGCAL_OK);
         }
     } else if (!s->is_trial) {
         rc_levenberg_evaluated(lm, status, s->sum);
@@ -346,7 +346,7 @@ static void end_pass(rigcal_rig_solver *s, rigcal_status status)
         restore_poses(s->rig, &parts);
         s->is_trial = 0;
         if (lm->status != RIGCAL_RUNNING) {
-            end_search(s, lm->status, 0);
+            end_search(s, lm->status); /* damped: a step was taken back */
         } else {
             begin_pass(s);
         }
@@ -405,7 +405,6 @@ static void end_placement(rigcal_rig_solver *s, const rc_rig_parts *parts)
     } else {
         rc_sym6_forward(s->gp, factor_of(s));
         s->gain += rc_vec6_dot(s->gp, s->gp);
-        s->row = 0;
         s->phase = RC_RIG_ELIMINATING;
     }
 }

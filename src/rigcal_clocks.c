@@ -130,7 +130,6 @@ static rigcal_status number(rigcal_rig_solver *s)
     }
     rc_rig_parts_of(&parts, rig, s->n);
     values(s, &parts, SAVE);
-    clocks->memory.placement = -1;
     clocks->memory.ratio2 = 0;
     if (clocks->sigma_time > 0) {
         clocks->memory.ratio2 =

@@ -547,7 +547,6 @@ rigcal_status rigcal_consider_begin(rigcal_consider_solver *solver,
     *solver = (rigcal_consider_solver){0};
     solver->rig = rig;
     solver->considered = considered;
-    solver->at_fault = -1;
     solver->limit2 = limit2_of(considered, rig);
     rc_border *const b = &solver->border;
     b->n = n;

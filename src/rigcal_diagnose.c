@@ -217,7 +217,6 @@ static int fits_mirrored(rigcal_real *rms_px, int *unlike, const problem *P,
     const size_t n = P->points.view.n;
     other.points.view.camera = camera;
     other.points.is_mirrored = 1;
-    other.options.use_start = 0;
     const rigcal_status mirrored_status = best_fit(&pose, &other);
     *rms_px = (mirrored_status >= 0) ? pose.rms_px : -1;
     *unlike =

@@ -273,7 +273,10 @@ static double least_eigenvalue(double A[6][6])
     return q + 2 * p * cos(angle + 2 * TEST_PI / 3);
 }
 
-/* Compares two runs of frames of n rows. An answer between the runs ends all windows at
+/* Only each frame of this number, counted from 1, has rows. */
+static int rows_every = 1;
+
+/* Compares three runs of frames of n rows. An answer between the runs ends all windows at
  * once. Single frames are off, so that the shortest window says most. */
 static void compare(double common, double size, int n, int from, uint64_t seed)
 {
@@ -285,7 +288,7 @@ static void compare(double common, double size, int n, int from, uint64_t seed)
     /* exp of what many rows say of a move would be beyond double */
     const int frames = TEST_ONE_IN > 1 ? 300 : n > 100 && !(common > 0) ? 580 : 900;
     for (int f = 0; f < frames; f++) {
-        for (int i = 0; i < n; i++) {
+        for (int i = 0; i < n && (f + 1) % rows_every == 0; i++) {
             row r = row_of(&rng, 1);
             for (int k = 0; k < 12; k++) {
                 r.h[k / 6][k % 6] *= size;
@@ -307,7 +310,8 @@ static void compare(double common, double size, int n, int from, uint64_t seed)
                 ASSERT_NEAR(share[b], share_of(b), TOL(1e-6, 1e-2));
             }
         }
-        if (f == 102) { /* all windows are on their way */
+        /* all windows are on their way; in the second case all longest ones end at once */
+        if (f == 102 || f == 402) {
             rc_alarm_again(&alarm, bodies);
             for (int b = 0; b < BODIES; b++) {
                 for (int i = 0; i < WINDOWS; i++) {
@@ -340,6 +344,14 @@ static void test_the_evidence_is_right_where_a_frame_has_many_rows(void)
     compare(0, 1, 250, 0, 15);
     compare(0, 1, 60, 0, 13); /* the window of four frames is the first one */
     compare(0, 1, 60, 0, 14);
+}
+
+/* One row in four frames: no window has enough of them, and the longest alone counts. */
+static void test_the_evidence_is_right_where_rows_are_rare(void)
+{
+    rows_every = 4;
+    compare(0.5, 30, 1, 20, 16);
+    rows_every = 1;
 }
 
 /* Rows with two thousand times the information: the determinants are beyond the range of
@@ -395,6 +407,27 @@ static void test_rows_that_overflow_raise_no_alarm_and_are_forgotten(void)
         for (size_t b = 0; b < BODIES; b++) {
             TEST_ASSERT_TRUE(rc_alarm_smallest(&alarm, bodies, b) > 0);
         }
+    }
+}
+
+/* A window whose determinant overflows counts for nothing, as one without rows does: here
+ * that of all bodies, in each of their windows. */
+static void test_a_window_that_overflows_says_nothing(void)
+{
+    test_rng rng = test_seed(17);
+    begin(0.5);
+    for (size_t b = 0; b < BODIES; b++) {
+        row r = row_of(&rng, 1);
+        r.body[0] = b;
+        r.body[1] = (b + 1) % BODIES;
+        for (int k = 0; k < 12; k++) {
+            r.h[k / 6][k % 6] = TOL(1e200, 1e25);
+        }
+        feed(&r);
+    }
+    TEST_ASSERT_TRUE(rc_alarm_frame(&alarm, bodies) < -50);
+    for (size_t b = 0; b < BODIES; b++) {
+        ASSERT_NEAR(1.0 / BODIES, share_of(b), TOL(1e-12, 1e-5));
     }
 }
 
@@ -475,6 +508,17 @@ static double clipped_rms(double noise)
         sum += step * exp(-z * z / 2) / sqrt(2 * TEST_PI) * psi * psi;
     }
     return sqrt(sum);
+}
+
+static void test_one_row_has_a_noise(void)
+{
+    test_rng rng = test_seed(18);
+    row r = row_of(&rng, 1);
+    begin(0.5);
+    r.z = 0.5;
+    feed(&r);
+    (void)rc_alarm_frame(&alarm, bodies);
+    ASSERT_NEAR(0.5 / clipped_rms(1), rc_alarm_noise(&alarm), TOL(1e-5, 1e-5));
 }
 
 static void test_noise_is_the_clipped_rms_over_that_of_normal_noise_as_stated(void)
@@ -590,12 +634,15 @@ TEST_MAIN()
 {
     RUN_TEST(test_the_evidence_is_that_of_dense_determinants);
     RUN_TEST(test_the_evidence_is_right_where_a_frame_has_many_rows);
+    RUN_TEST(test_the_evidence_is_right_where_rows_are_rare);
     RUN_TEST(test_the_evidence_is_right_where_rows_say_very_much);
     RUN_TEST(test_evidence_beyond_all_exponents_is_a_number);
     RUN_TEST(test_rows_that_overflow_raise_no_alarm_and_are_forgotten);
+    RUN_TEST(test_a_window_that_overflows_says_nothing);
     RUN_TEST(test_no_turn_about_an_axis_that_is_not_seen_would_be_noticed);
     RUN_TEST(test_a_frame_without_rows_says_nothing);
     RUN_TEST(test_a_body_without_rows_is_blind_and_sees_again);
+    RUN_TEST(test_one_row_has_a_noise);
     RUN_TEST(test_noise_is_the_clipped_rms_over_that_of_normal_noise_as_stated);
     RUN_TEST(test_the_smallest_turn_is_noticed_where_it_is_twice_as_large);
     RUN_TEST(test_after_the_answer_windows_start_with_what_was_measured);

@@ -472,10 +472,50 @@ static void test_the_epipole_is_as_unsure_as_the_direction_of_t(void)
     }
 }
 
+static void test_widths_end_where_the_header_says(void)
+{
+    static const double beside[3] = {1, 0, 0};
+    const rigcal_real uv[2] = {330, 240};
+
+    look_the_same_way(beside, 0.5);
+    scene.pair.k = 100;
+    scene.pair.sigma_b = RC(1e6);
+    ASSERT_STATUS(RIGCAL_OK, rigcal_band_make(&band, &scene.pair, uv));
+    scene.pair.k = RC(100.01);
+    ASSERT_REFUSED(RIGCAL_ERR_RANGE, band, rigcal_band_make(&band, &scene.pair, uv));
+    scene.pair.k = 100;
+    scene.pair.sigma_b = RC(1.0001e6);
+    ASSERT_REFUSED(RIGCAL_ERR_RANGE, band, rigcal_band_make(&band, &scene.pair, uv));
+    scene.pair.sigma_b = scene.pair.sigma_a = RC(1e6); /* far more than the line is away */
+    ASSERT_REFUSED(RIGCAL_ERR_EPIPOLE, band, rigcal_band_make(&band, &scene.pair, uv));
+    scene.pair.sigma_a = RC(1.0001e6);
+    ASSERT_REFUSED(RIGCAL_ERR_RANGE, band, rigcal_band_make(&band, &scene.pair, uv));
+}
+
+/* The variance of the direction of t is that of t across it, over |t|^2. The variance of
+ * the line by a turn is that of the turn times |t|^2. Each alone is beyond all numbers
+ * here. */
+static void test_a_covariance_that_overflows_is_out_of_range(void)
+{
+    static const double beside[3] = {1e-10, 0, 0}, far[3] = {1e8, 0, 0};
+    const rigcal_real uv[2] = {330, 240};
+
+    look_the_same_way(beside, 0.5);
+    scene.pair.Sigma[28] = scene.pair.Sigma[35] = RC(0.9) * RC_MAX; /* as is their sum */
+    ASSERT_REFUSED(RIGCAL_ERR_RANGE, band, rigcal_band_make(&band, &scene.pair, uv));
+    look_the_same_way(far, 0.5);
+    for (int k = 0; k < 3; k++) {
+        scene.pair.Sigma[7 * k] = RC(TOL(1e295, 1e25));
+    }
+    ASSERT_REFUSED(RIGCAL_ERR_RANGE, band, rigcal_band_make(&band, &scene.pair, uv));
+}
+
 TEST_MAIN()
 {
     RUN_TEST(test_the_range_of_depths_ends_at_the_largest_coordinate);
     RUN_TEST(test_the_epipole_is_as_unsure_as_the_direction_of_t);
+    RUN_TEST(test_widths_end_where_the_header_says);
+    RUN_TEST(test_a_covariance_that_overflows_is_out_of_range);
     RUN_TEST(test_k_is_the_quantile);
     RUN_TEST(test_rays_turn_as_differences_of_pixels_say);
     RUN_TEST(test_what_a_band_says_of_a_pixel_is_true);

@@ -49,6 +49,7 @@ static void take(double sigma_px)
 {
     for (size_t c = 0; c < r.rig.n_cameras; c++) {
         cameras[c].camera = r.camera[c];
+        FILL(cameras[c].Sigma);
     }
     ASSERT_STATUS(RIGCAL_OK, rigcal_calibrated_take(&kept, &r.rig, &fit, RC(sigma_px)));
 }
@@ -267,6 +268,51 @@ static void test_what_cannot_be_taken_is_refused_and_nothing_written(void)
     kept.held = held;
     memset(r.work, 0, sizeof r.work);
     assert_not_taken(RIGCAL_ERR_STATE, 1);
+}
+
+/* Whichever camera is held, the others are free, also the first. That the focal length of
+ * one is not exact takes no more room. */
+static void test_any_camera_may_be_the_one_that_is_held(void)
+{
+    rigcal_intrinsics_sigma sigmas[N];
+    rigcal_real effects[6 * FREE + 6];
+    rigcal_considered considered = {.effects = effects, .capacity = 6 * FREE + 6};
+
+    WANTS_RIG;
+    memset(sigmas, 0, sizeof sigmas);
+    sigmas[1].focal = RC(0.001);
+    for (size_t trial = 0; trial < 2 * N; trial++) {
+        const size_t which = trial / 2;
+        test_rng rng = test_seed(364);
+
+        test_rig_random(&r, &rng, N, 4, 8);
+        test_rig_see_all(&r, &rng, 0.3);
+        memset(r.roles, RIGCAL_CAMERA_FREE, sizeof r.roles);
+        r.roles[which] = RIGCAL_CAMERA_HELD;
+        r.rig.roles = r.roles;
+        ASSERT_STATUS(RIGCAL_OK, rigcal_rig_adjust(&fit, NULL, &r.rig));
+        if (trial % 2) {
+            r.rig.intrinsics_sigmas = sigmas;
+            ASSERT_STATUS(RIGCAL_OK, rigcal_rig_consider(&considered, NULL, &r.rig));
+        }
+        clear();
+        kept.Sigma_capacity = RIGCAL_CALIBRATED_SIZE(FREE) - 1;
+        assert_not_taken(RIGCAL_ERR_CAPACITY, 1);
+        kept.Sigma_capacity++;
+        take(1);
+        for (size_t c = 0; c < N; c++) {
+            rigcal_real expected[36];
+
+            TEST_ASSERT_EQUAL_INT(c == which, held[c]);
+            ASSERT_STATUS(RIGCAL_OK, rigcal_rig_covariance(expected, &r.rig, 1, c));
+            TEST_ASSERT_EQUAL_INT(c != which, expected[0] > 0);
+            for (int k = 0; k < 36; k++) {
+                const double scale = sqrt(D(expected[k / 6 * 7]) * D(expected[k % 6 * 7]));
+
+                ASSERT_NEAR(D(expected[k]), cameras[c].Sigma[k], TOL(1e-12, 1e-5) * scale);
+            }
+        }
+    }
 }
 
 /* Two cameras see the target; all others of the rig are held as well. */
@@ -523,6 +569,7 @@ TEST_MAIN()
     RUN_TEST(test_cameras_of_two_groups_have_no_pair);
     RUN_TEST(test_without_a_fit_the_closure_is_not_known);
     RUN_TEST(test_what_cannot_be_taken_is_refused_and_nothing_written);
+    RUN_TEST(test_any_camera_may_be_the_one_that_is_held);
     RUN_TEST(test_the_most_cameras_are_taken);
     RUN_TEST(test_a_rig_that_is_not_valid_is_not_asked);
     RUN_TEST(test_too_many_free_cameras_are_refused);

@@ -240,6 +240,39 @@ static void test_the_least_focal_length(void)
     }
 }
 
+/* Rounding of a large pixel, or beside a principal point that is far off, is more than a
+ * part of a pixel. It is no reason to have no ray. */
+static void test_large_pixels_have_rays_as_good_as_rounding(void)
+{
+    static const double LARGE = 5e8;
+    test_rng rng = test_seed(41);
+
+    for (int trial = 0; trial < TEST_TRIALS(200); trial++) {
+        const int axis = trial % 2, is_centre = trial / 2 % 2;
+        const double at = LARGE * test_uniform(&rng, 0.2, 0.9);
+        rigcal_camera camera = test_pinhole();
+        rigcal_real uv[2] = {0, 0}, ray[3];
+        double X[3], again[2];
+
+        camera.k1 = RC(0.05);
+        camera.k2 = RC(0.01);
+        camera.fx = camera.fy = RC(LARGE);
+        camera.cx = camera.cy = 0;
+        if (is_centre && axis == 0) {
+            camera.cx = RC(at);
+        } else if (is_centre) {
+            camera.cy = RC(at);
+        } else {
+            uv[axis] = RC(at);
+        }
+        ASSERT_STATUS(RIGCAL_OK, rigcal_camera_ray(ray, &camera, uv));
+        test_to_double(X, ray, 3);
+        test_project_px(again, &camera, X);
+        ASSERT_NEAR(again[0], uv[0], TOL(2e-6, 500));
+        ASSERT_NEAR(again[1], uv[1], TOL(2e-6, 500));
+    }
+}
+
 static void test_pixels_without_a_ray_are_not_undistorted_either(void)
 {
     /* 1 - 3 * 0.4 r^2 = 0 at r = 0.91287, imaged 304.3 pixels off. */
@@ -603,6 +636,7 @@ TEST_MAIN()
     RUN_TEST(test_a_fisheye_ray_at_90_degrees_has_no_undistorted_pixel);
     RUN_TEST(test_a_fisheye_ray_below_90_degrees_has_an_undistorted_pixel);
     RUN_TEST(test_the_least_focal_length);
+    RUN_TEST(test_large_pixels_have_rays_as_good_as_rounding);
     RUN_TEST(test_pixels_without_a_ray_are_not_undistorted_either);
     RUN_TEST(test_what_is_not_in_front_is_not_imaged);
     RUN_TEST(test_no_lens_images_what_is_not_in_front);

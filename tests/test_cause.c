@@ -601,6 +601,34 @@ static void test_a_few_views_that_are_late_are_not_the_camera(void)
     TEST_ASSERT_EQUAL_INT32(RIGCAL_CAUSE_UNKNOWN, cause.cause);
 }
 
+/* Half of the views of camera 2 are turned, and one more in the second trial. The others
+ * moved each by itself. More than half must agree. */
+static void test_half_of_its_views_are_not_the_camera(void)
+{
+    WANTS_BOARDS;
+    for (int more = 0; more < 2; more++) {
+        make(4065, 3, 8);
+        for (int f = 0; f < 8; f++) {
+            const int v = test_boards_view(&b, 2, f);
+
+            if (f < 4 + more) {
+                test_boards_reverse(&b, v);
+                continue;
+            }
+            for (int i = 0; i < BOARD_POINTS; i++) {
+                b.o[v][i].uv[0] += RC(30 * ((f * 5) % 8 - 3.5));
+                b.o[v][i].uv[1] += RC(30 * ((f * 3) % 8 - 3.5));
+            }
+        }
+        judge();
+        const rigcal_cause cause = camera_cause(2);
+        TEST_ASSERT_EQUAL_INT32(more ? RIGCAL_CAUSE_TURNED : RIGCAL_CAUSE_UNKNOWN,
+                                cause.cause);
+        TEST_ASSERT_EQUAL_INT32(8, cause.n_views);
+        TEST_ASSERT_TRUE(more ? cause.n_agree == 5 : cause.n_agree < 4);
+    }
+}
+
 /* The only view of camera 2 is of a placement that nobody else saw, so it agrees with one
  * camera that is late, and with one that is early. One view is not most views. */
 static void test_a_single_view_does_not_say_that_its_camera_is_late(void)
@@ -867,6 +895,30 @@ static void test_the_same_bits_whatever_the_budgets(void)
     }
 }
 
+/* Without symmetries, and beside views that are kept, the view is solved once, as it is.
+ * Each step of that solver is a unit. There is one more that begins it, one for each view
+ * of the placement, and one that ends. */
+static void test_a_step_of_a_pose_is_a_unit(void)
+{
+    static rigcal_cause_solver solver;
+    int in_pose = 0, units = 0;
+
+    WANTS_BOARDS;
+    make(3850, 3, 6);
+    const int v = test_boards_view(&b, 1, 3);
+    test_boards_replace(&b, v, test_boards_view(&b, 1, 2));
+    judge();
+    TEST_ASSERT_EQUAL_INT32(1, b.judgement.n_contradict);
+    ASSERT_STATUS(RIGCAL_OK, rigcal_pose_begin(&solver.pose, NULL, &b.views[v].view, NULL));
+    for (in_pose = 1; rigcal_pose_step(&solver.pose, 1) == RIGCAL_RUNNING; in_pose++) {
+    }
+    ASSERT_STATUS(RIGCAL_OK,
+                  rigcal_cause_begin(&solver, &b.rig, &b.judgement, NULL, (size_t)v));
+    for (units = 1; rigcal_cause_step(&solver, 1) == RIGCAL_RUNNING; units++) {
+    }
+    TEST_ASSERT_EQUAL_INT(in_pose + 1 + 3 + 1, units);
+}
+
 static void test_permutations_are_checked(void)
 {
     rigcal_cause cause;
@@ -882,6 +934,11 @@ static void test_permutations_are_checked(void)
     ASSERT_REFUSED(RIGCAL_ERR_RANGE, cause, CAUSE);
     permutations[PAIRS * BOARD_POINTS + 4] = 4; /* twice */
     ASSERT_REFUSED(RIGCAL_ERR_RANGE, cause, CAUSE);
+    for (int32_t way = 0; way < 3; way++) { /* the first point too */
+        fill_permutations();
+        permutations[0] = (way == 0) ? -1 : (way == 1) ? BOARD_POINTS : permutations[1];
+        ASSERT_REFUSED(RIGCAL_ERR_RANGE, cause, CAUSE);
+    }
     fill_permutations();
     ASSERT_STATUS(RIGCAL_OK, CAUSE);
     symmetries.n_points = 2;
@@ -1010,6 +1067,7 @@ TEST_MAIN()
     RUN_TEST(test_of_a_target_that_goes_to_and_fro_the_shift_of_a_camera_is_open);
     RUN_TEST(test_of_a_target_that_stands_still_no_camera_is_late);
     RUN_TEST(test_a_few_views_that_are_late_are_not_the_camera);
+    RUN_TEST(test_half_of_its_views_are_not_the_camera);
     RUN_TEST(test_a_single_view_does_not_say_that_its_camera_is_late);
     RUN_TEST(test_a_view_alone_has_no_cause);
     RUN_TEST(test_a_view_that_cannot_be_solved_has_no_cause);
@@ -1018,6 +1076,7 @@ TEST_MAIN()
     RUN_TEST(test_the_failure_of_a_source_is_told);
     RUN_TEST(test_views_that_lose_their_information_are_degenerate);
     RUN_TEST(test_the_same_bits_whatever_the_budgets);
+    RUN_TEST(test_a_step_of_a_pose_is_a_unit);
     RUN_TEST(test_permutations_are_checked);
     RUN_TEST(test_counts_of_symmetries_are_checked);
     RUN_TEST(test_a_camera_that_has_nothing_to_turn);

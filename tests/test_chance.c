@@ -247,7 +247,8 @@ static void test_the_tail_of_F_is_that_of_scipy(void)
 }
 
 /* It is half, by symmetry. In double the steps of the fraction are enough for 1e-5. In
- * float rounding leaves only some number between 0 and 1. */
+ * float, and in double with more degrees than any data have, rounding leaves only some
+ * number between 0 and 1. */
 static void test_of_very_many_degrees_of_freedom_the_tail_is_a_chance(void)
 {
     if (!RIGCAL_USE_FLOAT) {
@@ -256,6 +257,14 @@ static void test_of_very_many_degrees_of_freedom_the_tail_is_a_chance(void)
     for (int i = 0; i < 6; i++) {
         const double n = 1e7 * pow(10, 0.5 * i);
         const rigcal_real tail = rc_f_tail(1, RC(n), RC(n));
+
+        TEST_ASSERT_TRUE(tail >= 0 && tail <= 1);
+    }
+    for (int i = 0; i < TEST_TRIALS(13 * 13 * 9); i++) {
+        const double k = TOL(1e16, 1e7) * pow(10, 0.25 * (i % 13));
+        const double n = TOL(1e16, 1e7) * pow(10, 0.25 * (i / 13 % 13));
+        const rigcal_real F = 1 + (rigcal_real)(i / 169) * RC_EPS;
+        const rigcal_real tail = rc_f_tail(F, RC(k), RC(n));
 
         TEST_ASSERT_TRUE(tail >= 0 && tail <= 1);
     }

@@ -647,6 +647,37 @@ static void test_with_clocks_the_memory_is_enough(void)
     ASSERT_STATUS(RIGCAL_ERR_CAPACITY, rigcal_rig_consider(&considered, NULL, &moving.rig));
 }
 
+/* Times in seconds, and in units of a thousandth: a stamp is off by 0.004 or by 4 of
+ * them. */
+static void test_the_unit_of_time_does_not_matter(void)
+{
+    static rigcal_real effects_before[12 * COLUMNS];
+    double largest = 0;
+
+    TEST_ON_HOST_ONLY("a rig of 60 views is adjusted twice");
+    make_moving(0, 0.004);
+    ASSERT_STATUS(RIGCAL_OK, rigcal_rig_consider(&considered, NULL, &moving.rig));
+    TEST_ASSERT_EQUAL_UINT64(12, considered.n);
+    TEST_ASSERT_EQUAL_UINT64(18, considered.k);
+    memcpy(effects_before, with_clocks, 12 * 18 * sizeof with_clocks[0]);
+    for (size_t f = 0; f < moving.rig.n_placements; f++) {
+        moving.times[f] *= 1024;
+    }
+    for (size_t c = 0; c < 3; c++) {
+        moving.offsets[c] *= 1024;
+    }
+    moving.clocks.sigma_time *= 1024;
+    moving.clocks.frame *= 1024;
+    adjust_moving();
+    ASSERT_STATUS(RIGCAL_OK, rigcal_rig_consider(&considered, NULL, &moving.rig));
+    for (int i = 0; i < 12 * 18; i++) {
+        largest = fmax(largest, fabs(D(effects_before[i])));
+    }
+    for (int i = 0; i < 12 * 18; i++) {
+        ASSERT_NEAR(D(effects_before[i]), with_clocks[i], TOL(1e-6, 1e-2) * largest);
+    }
+}
+
 /* With the lens of one camera alone, the variance of a placement is the effect of a smaller
  * lens. */
 static void test_intrinsics_act_on_placements_of_a_rig_with_clocks(void)
@@ -861,6 +892,49 @@ static void test_bad_deviations_and_memory_are_refused(void)
     ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_rig_consider(&considered, NULL, &r.rig));
 }
 
+/* Whichever camera is held, the effects take as many numbers, also if they are computed
+ * again. */
+static void test_any_camera_may_be_the_one_that_is_held(void)
+{
+    WANTS;
+    for (int which = 0; which < CAMERAS; which++) {
+        make(7344);
+        memset(r.roles, RIGCAL_CAMERA_FREE, sizeof r.roles);
+        r.roles[which] = RIGCAL_CAMERA_HELD;
+        r.rig.roles = r.roles;
+        adjust();
+        considered.capacity = (6 * (CAMERAS - 1) + 6) * COLUMNS;
+        for (int time = 0; time < 2; time++) {
+            ASSERT_STATUS(RIGCAL_OK, rigcal_rig_consider(&considered, NULL, &r.rig));
+        }
+        considered.capacity--;
+        ASSERT_STATUS(RIGCAL_ERR_CAPACITY, rigcal_rig_consider(&considered, NULL, &r.rig));
+    }
+}
+
+/* One number of one camera is not exact, so the effects are few. They, and what is worked
+ * with beside them, stay in the memory. What an estimate wrote before is gone. */
+static void test_few_effects_take_little_memory(void)
+{
+    enum { EXACT = 6 * (CAMERAS - 1) + 6 };
+
+    WANTS;
+    make(7346);
+    memset(sigmas, 0, sizeof sigmas);
+    sigmas[1].focal = RC(0.001);
+    adjust();
+    considered.capacity = EXACT;
+    considered.factor = spreads;
+    FILL(effects);
+    ASSERT_STATUS(RIGCAL_OK, rigcal_rig_consider(&considered, NULL, &r.rig));
+    TEST_ASSERT_EQUAL_UINT64(6 * (CAMERAS - 1), considered.n);
+    TEST_ASSERT_EQUAL_UINT64(1, considered.k);
+    TEST_ASSERT_NULL(considered.factor);
+    for (size_t k = EXACT; k < WORK; k++) {
+        ASSERT_UNTOUCHED(effects[k]);
+    }
+}
+
 static void test_a_view_that_has_changed_is_told(void)
 {
     int32_t at_fault = -2;
@@ -922,6 +996,7 @@ TEST_MAIN()
     RUN_TEST(test_other_intrinsics_move_the_adjusted_rig_by_the_effects);
     RUN_TEST(test_intrinsics_act_through_clocks_too);
     RUN_TEST(test_with_clocks_the_memory_is_enough);
+    RUN_TEST(test_the_unit_of_time_does_not_matter);
     RUN_TEST(test_intrinsics_act_on_placements_of_a_rig_with_clocks);
     RUN_TEST(test_many_steps_are_taken);
     RUN_TEST(test_deviations_of_zero_change_no_bit);
@@ -930,6 +1005,8 @@ TEST_MAIN()
     RUN_TEST(test_an_adjustment_forgets_what_was_considered);
     RUN_TEST(test_the_budget_changes_no_bit);
     RUN_TEST(test_bad_deviations_and_memory_are_refused);
+    RUN_TEST(test_any_camera_may_be_the_one_that_is_held);
+    RUN_TEST(test_few_effects_take_little_memory);
     RUN_TEST(test_a_view_that_has_changed_is_told);
     RUN_TEST(test_the_memory_for_clocks_is_that_of_the_macro);
 }

@@ -188,6 +188,43 @@ static void test_a_view_that_is_left_out_costs_what_the_sum_would_fall_by(void)
     }
 }
 
+/* The rise of its own sum bounds what a view that is left out costs. That is so where its
+ * error is many pixels, and where it is a small part of one. */
+static void test_a_view_that_is_left_out_costs_no_more_than_its_own_sum_rises(void)
+{
+    enum { F = 2 };
+    int n_bounded[2] = {0, 0};
+
+    TEST_WANTS_RAM(sizeof(test_boards) + 20000);
+    if (RIGCAL_USE_FLOAT) {
+        TEST_IGNORE_MESSAGE("a hundredth of a pixel is rounding in float");
+    }
+    for (int trial = 0; trial < 12; trial++) {
+        const double noise = trial % 2 ? NOISE : NOISE / 100;
+        test_rng rng = test_seed(903 + (uint64_t)trial);
+
+        test_boards_make(&b, &rng, 5, 6, 5, noise, 0);
+        const size_t v = (size_t)test_boards_view(&b, trial / 2 % 5, F);
+        for (int i = 0; i < BOARD_POINTS; i++) {
+            b.o[v][i].uv[0] += RC(15 * noise);
+        }
+        test_boards_solve(&b);
+        test_boards_join(&b, noise);
+        b.choice.sigma_px = RC(noise);
+        TEST_ASSERT_TRUE(rigcal_rig_judge(&b.judgement, NULL, b.judged, b.left_out,
+                                          &b.choice, &b.rig) >= 0);
+        TEST_ASSERT_EQUAL_UINT8(1, b.left_out[v]);
+        const double rms = D(b.judged[v].rms_px);
+        const double rises = BOARD_POINTS * rms * rms - D(b.own[v].sse);
+        const double costs =
+            LIMIT * D(b.judgement.scale) * noise * noise * D(b.judged[v].cost);
+        TEST_ASSERT_TRUE(trial % 2 ? rms > 1 : rms > 0 && rms < 0.1);
+        TEST_ASSERT_TRUE(costs <= rises * (1 + 1e-9));
+        n_bounded[trial % 2] += costs > rises * (1 - 1e-9);
+    }
+    TEST_ASSERT_TRUE(n_bounded[0] > 0 && n_bounded[1] > 0);
+}
+
 /* Placements that nobody saw, in the middle and at the end, change no cost. */
 static void test_placements_without_views_cost_nothing(void)
 {
@@ -369,6 +406,34 @@ static void test_views_that_agree_better_than_noise_do_not_raise_the_limit(void)
     ASSERT_NEAR(1, b.judgement.scale, 0);
 }
 
+/* The same ring, with half of its noise stated. One cycle is enough to show by how much
+ * more than that its views differ. */
+static void test_one_cycle_shows_the_scale(void)
+{
+    test_rng rng = test_seed(983);
+    size_t n = 0;
+    int n_small;
+
+    TEST_WANTS_RAM(sizeof(test_boards) + 20000);
+    test_boards_make(&b, &rng, 6, 6, 6, NOISE, 0);
+    for (size_t v = 0; v < b.rig.n_views; v++) {
+        const int c = b.views[v].camera, f = b.views[v].placement;
+
+        if (c == f || c == (f + 1) % 6) {
+            b.views[n++] = b.views[v];
+        }
+    }
+    b.rig.n_views = n;
+    test_boards_solve(&b);
+    b.choice.sigma_px = RC(NOISE / 2);
+    ASSERT_STATUS(RIGCAL_OK, rigcal_rig_judge(&b.judgement, NULL, b.judged, b.left_out,
+                                              &b.choice, &b.rig));
+    TEST_ASSERT_EQUAL_INT32(12, b.judgement.n_fit);
+    const double scale = scale_of_costs(5, &n_small);
+    TEST_ASSERT_TRUE(scale > 1.1);
+    ASSERT_NEAR(scale, b.judgement.scale, TOL(1e-9, 1e-3) * scale);
+}
+
 /* Two cameras that are held, with n_places placements. All numbers of the first three are
  * sums of powers of two, so their residuals are 0 to the last bit. The others have
  * noise. */
@@ -535,10 +600,12 @@ TEST_MAIN()
     RUN_TEST(test_a_view_costs_what_the_sum_falls_by_without_it);
     RUN_TEST(test_costs_of_noise_are_chi_squared);
     RUN_TEST(test_a_view_that_is_left_out_costs_what_the_sum_would_fall_by);
+    RUN_TEST(test_a_view_that_is_left_out_costs_no_more_than_its_own_sum_rises);
     RUN_TEST(test_placements_without_views_cost_nothing);
     RUN_TEST(test_a_view_of_what_is_behind_its_camera_has_no_error);
     RUN_TEST(test_the_scale_is_that_of_the_median_cost);
     RUN_TEST(test_views_that_agree_better_than_noise_do_not_raise_the_limit);
+    RUN_TEST(test_one_cycle_shows_the_scale);
     RUN_TEST(test_a_cost_of_0_counts);
     RUN_TEST(test_a_claim_has_the_covariance_of_its_camera);
 }

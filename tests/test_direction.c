@@ -302,6 +302,25 @@ static void test_the_cost_is_the_least_over_yaw_and_translation(void)
     TEST_ASSERT_LESS_OR_EQUAL_INT(TRIALS * 4 / 100, high);
 }
 
+/* Scenes in which a yaw at a right angle to that of the most depth is better than that one,
+ * but has a negative depth. The best one of all with a positive depth is found. */
+static void test_the_best_yaw_is_found_beside_better_ones_of_negative_depth(void)
+{
+    static const uint64_t SEED[6] = {2218, 12493, 17056, 34807, 41049, 50464};
+
+    for (int i = 0; i < 6; i++) {
+        test_rng rng = test_seed(SEED[i]);
+        const int kind = (int)(SEED[i] % 3);
+        test_scene scene;
+        double m3[3];
+        target T;
+
+        random_target(&T, &scene, &rng, 4 + kind, (test_shape)kind);
+        random_direction(m3, &rng);
+        ASSERT_NEAR(scan_yaw(&T, m3, 720), cost_of(&T, m3), 1e-3 * T.trace);
+    }
+}
+
 static void test_the_cost_does_not_change_when_the_image_is_turned(void)
 {
     test_rng rng = test_seed(5);
@@ -510,6 +529,7 @@ TEST_MAIN()
     RUN_TEST(test_the_pose_of_a_true_direction_is_the_true_pose);
     RUN_TEST(test_the_cost_is_the_sum_over_the_points_of_the_pose_it_gives);
     RUN_TEST(test_the_cost_is_the_least_over_yaw_and_translation);
+    RUN_TEST(test_the_best_yaw_is_found_beside_better_ones_of_negative_depth);
     RUN_TEST(test_the_cost_does_not_change_when_the_image_is_turned);
     RUN_TEST(test_the_cost_goes_with_the_unit_and_the_frame_of_the_target);
     RUN_TEST(test_a_weight_of_three_is_a_point_seen_thrice);

@@ -574,6 +574,42 @@ static void test_the_first_clock_of_each_group_is_not_told(void)
     }
 }
 
+/* Camera 3 has seen only a placement whose time is not known, so nothing shows its clock.
+ * Those of the others are found all the same. */
+static void test_a_clock_that_nothing_shows_is_no_unknown(void)
+{
+    static const motion_scene SCENE = {4, 2, 4, 30, 0.35, 0.8, 10, 0.01, 3e-4, 0, 0.3};
+    test_rng rng = test_seed(78);
+    rigcal_rig_fit fit;
+
+    TEST_WANTS_RAM(sizeof m + sizeof x + 20000);
+    test_motions_make(&m, &rng, &SCENE);
+    test_motions_solve(&m);
+    m.clocks.free_offsets = 0;
+    m.rig.clocks = &m.clocks;
+    m.rig.left_out = m.left_out;
+    m.times[7] = TEST_NAN;
+    for (size_t v = 0; v < m.rig.n_views; v++) {
+        m.left_out[v] = m.views[v].camera == 3 && m.views[v].placement != 7;
+    }
+    ASSERT_STATUS(RIGCAL_OK, rigcal_rig_adjust(&fit, NULL, &m.rig));
+    memset(&x, 0, sizeof x);
+    x.options.work = x.work;
+    x.options.work_capacity = sizeof x.work / sizeof *x.work;
+    x.options.kinds = RIGCAL_FAULTS_OF(RIGCAL_FAULT_CLOCKS);
+    x.rig = m.rig;
+    TEST_ASSERT_TRUE(
+        rigcal_rig_faults(&x.found, x.faults, FAULTS, NULL, &x.options, &x.rig) >= 0);
+    const rigcal_fault *const all = fault_of(&x, RIGCAL_FAULT_CLOCKS, -1);
+
+    TEST_ASSERT_EQUAL_INT32(2, all->n);
+    TEST_ASSERT_EQUAL_INT32(1, all->is_seen);
+    for (int c = 1; c < 3; c++) {
+        ASSERT_NEAR(m.true_offsets[c] - m.true_offsets[0], all->value[c - 1],
+                    5 * D(all->sigma[c - 1]));
+    }
+}
+
 /* ---- the unit of the pixels ------------------------------------------------------- */
 
 /* Makes each image 64 times smaller, about its corner: -0.5, -0.5. */
@@ -2020,6 +2056,7 @@ TEST_MAIN()
     RUN_TEST(test_four_free_clocks_need_the_stated_memory);
     RUN_TEST(test_cameras_that_moved_are_tested_within_the_least_memory);
     RUN_TEST(test_the_first_clock_of_each_group_is_not_told);
+    RUN_TEST(test_a_clock_that_nothing_shows_is_no_unknown);
     RUN_TEST(test_small_images_have_the_faults_of_large_ones);
     RUN_TEST(test_without_times_no_clock_is_tested_and_that_is_told);
     RUN_TEST(test_placements_far_apart_in_time_have_no_motion);

@@ -338,8 +338,8 @@ static void test_the_disc_that_is_proved_holds_every_pixel(void)
     ASSERT_NEAR(0, p.points.proved2, 0);
 }
 
-/* Coordinates whose rounding is slightly less, and slightly more, than 1e-4 of the size
- * 1. */
+/* Coordinates whose rounding is slightly less, and slightly more, than 1e-4 of the size, in
+ * three units of length. */
 static void test_points_in_one_place_or_too_far_for_their_size_are_refused(void)
 {
     const double limit = 1e-4 / TOL(2.220446049250313e-16, 1.1920928955078125e-7);
@@ -351,12 +351,16 @@ static void test_points_in_one_place_or_too_far_for_their_size_are_refused(void)
             p.o[i].X_w[k] = RC(i == k ? 1 : 0);
         }
     }
-    for (int step = 0; step < 2; step++) {
+    for (int step = 0; step < 6; step++) {
+        const int is_far = step % 2;
         moved = p;
         for (int i = 0; i < N; i++) {
-            moved.o[i].X_w[1] += RC(limit * (step ? 1.1 : 0.9));
+            moved.o[i].X_w[1] += RC(limit * (is_far ? 1.1 : 0.9));
+            for (int k = 0; k < 3; k++) {
+                moved.o[i].X_w[k] *= RC(ldexp(1, 10 * (step / 2 - 1)));
+            }
         }
-        ASSERT_STATUS(step ? RIGCAL_ERR_PRECISION : RIGCAL_OK, survey(&moved, 0, NULL));
+        ASSERT_STATUS(is_far ? RIGCAL_ERR_PRECISION : RIGCAL_OK, survey(&moved, 0, NULL));
         TEST_ASSERT_EQUAL_INT32(-1, moved.at_fault);
         TEST_ASSERT_EQUAL(N, moved.points.n_used); /* the survey is complete in spite of
                                                       that */

@@ -539,11 +539,15 @@ static void test_each_coefficient_of_a_lens_counts(void)
 static void test_a_ray_that_grazes_has_no_sight(void)
 {
     const rigcal_camera camera = test_pinhole();
-    const rigcal_real along_x[3] = {1, 0, RC(TOL(1e-9, 1e-5))}, ahead[3] = {1, 0, RC(0.01)};
     rc_sight sight;
 
-    ASSERT_REFUSED(RIGCAL_ERR_NO_RAY, sight, rc_sight_of(&sight, &camera, along_x, 1));
-    ASSERT_STATUS(RIGCAL_OK, rc_sight_of(&sight, &camera, ahead, 1));
+    for (int k = 0; k < 2; k++) {
+        rigcal_real grazing[3] = {0, 0, RC(TOL(1e-9, 1e-5))}, ahead[3] = {0, 0, RC(0.01)};
+
+        grazing[k] = ahead[k] = 1;
+        ASSERT_REFUSED(RIGCAL_ERR_NO_RAY, sight, rc_sight_of(&sight, &camera, grazing, 1));
+        ASSERT_STATUS(RIGCAL_OK, rc_sight_of(&sight, &camera, ahead, 1));
+    }
 }
 
 static void test_a_ray_of_no_length_is_none(void)

@@ -346,7 +346,7 @@ static void end_pass(rigcal_rig_solver *s, rigcal_status status)
         restore_poses(s->rig, &parts);
         s->is_trial = 0;
         if (lm->status != RIGCAL_RUNNING) {
-            end_search(s, lm->status); /* damped: a step was taken back */
+            end_search(s, lm->status); /* lambda > 0: a step was taken back */
         } else {
             begin_pass(s);
         }

@@ -245,7 +245,7 @@ void rc_columns_add(rigcal_columns *s, const rc_evidence *v, const rc_chain *cha
 
 void rc_columns_add_alone(rigcal_columns *s, const rc_evidence *v, size_t camera)
 {
-    /* the view's own pose takes up its clock: those columns add nothing */
+    /* The pose of the view is free, and takes up offset and drift: their columns are 0. */
     for (size_t p = RC_BY_SHUTTER; p < RC_COLUMNS; p++) {
         if (is_in_pass(s, p)) {
             const size_t at = column_of(s, camera, p);

@@ -337,7 +337,8 @@ static void close_way(rigcal_spans_solver *s, int way)
     rigcal_real stop[2], back[2];
     s->way = way;
     if (from->is_of_range && to->is_of_range) {
-        if (!cross_band(stop, s, 0)) { /* the part behind the lens's end, if one is seen */
+        if (!cross_band(stop, s, 0)) {
+            /* The lens ends on the way. It may see the way again at the other border. */
             const int is_seen =
                 rc_edge_pixel(back, &s->edge, s->ends[way], to->height) == RIGCAL_OK;
             if (is_seen) {

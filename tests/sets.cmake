@@ -10,12 +10,13 @@
 # Every layer runs on a target of each kind:
 #
 #   soft float         cortex-m0: all that fit in its RAM; rv32imac: large, the others.
-#                      Both for size
+#                      Both libraries are built for size
 #   hard float         cortex-m4f: all, and the regressions
 #   double             cortex-m7-double: all
 #   big-endian         mips: all
 #   others of a kind   cortex-m7, cortex-m33, rv32imafc, mips-double: target
-#   hosts              all, and the regressions; shared: one, as unit tests reach functions that it hides
+#   hosts              all, and the regressions; shared: one, as unit tests reach functions
+#                      that it hides
 set(RIGCAL_TEST_SET all CACHE STRING "Which unit tests: all, target, large or one")
 set_property(CACHE RIGCAL_TEST_SET PROPERTY STRINGS all target large one)
 
@@ -83,7 +84,7 @@ if(NOT RIGCAL_TEST_SET STREQUAL "all")
 endif()
 if(NOT RIGCAL_TEST_SET STREQUAL "all" OR
    (CMAKE_CROSSCOMPILING AND NOT CMAKE_SYSTEM_PROCESSOR STREQUAL "cortex-m4f"))
-    set(regressions) # they are of the arithmetic, not of the target
+    set(regressions) # they test the arithmetic, not the target
 endif()
 list(REMOVE_ITEM RIGCAL_TESTS ${left_out} "") # CMake before 3.20 does not accept an empty
                                               # list

@@ -381,14 +381,13 @@ static void test_the_scale_is_that_of_the_median_cost(void)
     TEST_ASSERT_TRUE(n_small > 0);
 }
 
-/* A ring of cameras of which each two neighbours see a placement closes one cycle. Its
- * views agree far better than the stated noise, so the limit is that of noise alone. */
-static void test_views_that_agree_better_than_noise_do_not_raise_the_limit(void)
+/* Judges a ring of cameras of which each two neighbours see a placement. It closes one
+ * cycle. Its 12 views fit. */
+static void judge_ring(uint64_t seed, double stated)
 {
-    test_rng rng = test_seed(980);
+    test_rng rng = test_seed(seed);
     size_t n = 0;
 
-    TEST_WANTS_RAM(sizeof(test_boards) + 20000);
     test_boards_make(&b, &rng, 6, 6, 6, NOISE, 0);
     for (size_t v = 0; v < b.rig.n_views; v++) {
         const int c = b.views[v].camera, f = b.views[v].placement;
@@ -399,36 +398,29 @@ static void test_views_that_agree_better_than_noise_do_not_raise_the_limit(void)
     }
     b.rig.n_views = n;
     test_boards_solve(&b);
-    b.choice.sigma_px = RC(10 * NOISE);
+    b.choice.sigma_px = RC(stated);
     ASSERT_STATUS(RIGCAL_OK, rigcal_rig_judge(&b.judgement, NULL, b.judged, b.left_out,
                                               &b.choice, &b.rig));
     TEST_ASSERT_EQUAL_INT32(12, b.judgement.n_fit);
+}
+
+/* The views agree far better than the stated noise, so the limit is that of noise
+ * alone. */
+static void test_views_that_agree_better_than_noise_do_not_raise_the_limit(void)
+{
+    TEST_WANTS_RAM(sizeof(test_boards) + 20000);
+    judge_ring(980, 10 * NOISE);
     ASSERT_NEAR(1, b.judgement.scale, 0);
 }
 
-/* The same ring, with half of its noise stated. One cycle is enough to show by how much
- * more than that its views differ. */
+/* Half of the noise is stated. One cycle is enough to show by how much more than that the
+ * views differ. */
 static void test_one_cycle_shows_the_scale(void)
 {
-    test_rng rng = test_seed(983);
-    size_t n = 0;
     int n_small;
 
     TEST_WANTS_RAM(sizeof(test_boards) + 20000);
-    test_boards_make(&b, &rng, 6, 6, 6, NOISE, 0);
-    for (size_t v = 0; v < b.rig.n_views; v++) {
-        const int c = b.views[v].camera, f = b.views[v].placement;
-
-        if (c == f || c == (f + 1) % 6) {
-            b.views[n++] = b.views[v];
-        }
-    }
-    b.rig.n_views = n;
-    test_boards_solve(&b);
-    b.choice.sigma_px = RC(NOISE / 2);
-    ASSERT_STATUS(RIGCAL_OK, rigcal_rig_judge(&b.judgement, NULL, b.judged, b.left_out,
-                                              &b.choice, &b.rig));
-    TEST_ASSERT_EQUAL_INT32(12, b.judgement.n_fit);
+    judge_ring(983, NOISE / 2);
     const double scale = scale_of_costs(5, &n_small);
     TEST_ASSERT_TRUE(scale > 1.1);
     ASSERT_NEAR(scale, b.judgement.scale, TOL(1e-9, 1e-3) * scale);

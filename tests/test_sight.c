@@ -96,6 +96,21 @@ static double miss_of_step(const double c[4], double at)
     return image_of(&slope, c, x) - at;
 }
 
+/* The place between low and high that this step finds exactly: its miss is 0. */
+static double found_by_a_step(const double c[4], double low, double high)
+{
+    const double at_low = miss_of_step(c, low);
+
+    for (int k = 0; k < 40; k++) {
+        const double middle = (low + high) / 2;
+        const int is_below = at_low * miss_of_step(c, middle) < 0;
+
+        high = is_below ? middle : high;
+        low = is_below ? low : middle;
+    }
+    return low;
+}
+
 /* Looks at a place of the lens, in eight directions. It has no ray. */
 static void assert_no_ray(const double c[4], double at)
 {
@@ -145,19 +160,11 @@ static void test_a_ray_is_not_found_beyond_where_a_lens_turns_back(void)
             assert_no_ray(c, most * (1.02 + 5.0 * i / PLACES));
         }
         for (int i = 0; i < TEST_TRIALS(STEPS); i++) {
-            double low = most * (1.02 + 5.0 * i / STEPS), high = low + most * 5 / STEPS;
+            const double low = most * (1.02 + 5.0 * i / STEPS);
+            const double high = low + most * 5 / STEPS;
 
             if (miss_of_step(c, low) * miss_of_step(c, high) < 0) {
-                for (int k = 0; k < 40; k++) {
-                    const double middle = (low + high) / 2;
-
-                    if (miss_of_step(c, low) * miss_of_step(c, middle) < 0) {
-                        high = middle;
-                    } else {
-                        low = middle;
-                    }
-                }
-                assert_no_ray(c, low);
+                assert_no_ray(c, found_by_a_step(c, low, high));
             }
         }
     }

@@ -27,7 +27,7 @@ BEGIN, END = "<!-- figures: begin -->", "<!-- figures: end -->"
 # a figure that grew by less is not reported
 SLACK = 1.02
 
-# of the scenes of steps.c, those that are measured when the figures are compared
+# When figures are compared, steps.c measures one scene in this many.
 STEPS_ONE_IN = 5
 
 # The assumption by which milliseconds are estimated. It includes flash wait states.
@@ -160,10 +160,11 @@ class Image:
         return lines, counts.read_text().splitlines()
 
     def steps(self, one_in):
-        """The table of steps.c, of one scene in one_in. The program ends if steps.c complains."""
+        """The table of steps.c, which measures one scene in one_in. The program ends if
+        steps.c complains."""
         image = self.dir / "steps.elf"
-        run(self.gcc, *self.flags, "-misa-spec=2.2", f"-DSTEPS_ONE_IN={one_in}", "-Isrc", HERE / "steps.c", self.library, "-lm",
-            "--crt0=semihost", "--oslib=semihost", "-Wl,--gc-sections", *self.memory, "-o", image)
+        run(self.gcc, *self.flags, "-misa-spec=2.2", f"-DSTEPS_ONE_IN={one_in}", "-Isrc",
+            HERE / "steps.c", self.library, "-lm", "--crt0=semihost", "--oslib=semihost", "-Wl,--gc-sections", *self.memory, "-o", image)
         return run("sh", HERE / "run.sh", self.target, image, "-icount", "shift=0")
 
     def flash(self, functions):

@@ -963,7 +963,7 @@ static void test_what_a_camera_contradicts_joins_no_other(void)
 
 /* Twelve cameras, of which the last two are the same camera twice. More than eight views of
  * a placement do not place it again. */
-enum { MANY = TEST_ONE_IN > 1 ? 1 : 12 };
+enum { MANY = TEST_HOST ? 12 : 1 };
 TEST_TAGS(many, MANY, 4);
 
 /* Four placements before all cameras. */

@@ -364,7 +364,7 @@ static void test_random_scenes_are_found_from_a_guess_five_degrees_off(void)
     /* The least percentages that are accepted, over general and planar scenes of all n. */
     static const double floors[9] = {93, 95, 97, 97, 84, 92, 94, 95, 94};
 
-    TEST_ON_HOST_ONLY("a rate wants all scenes");
+    TEST_WANTS_ALL_TRIALS("a rate");
     for (int mode = 0; mode < 9; mode++) {
         const rigcal_paper_options o =
             options_of(mode < 8 ? 2 : 3, mode % 4, mode < 4 ? 0 : 2 * (mode < 8));
@@ -424,7 +424,7 @@ static int found_without_guess(int scenes, int n, test_shape shape, int pairs_us
 
 static void test_general_points_need_no_guess(void)
 {
-    TEST_ON_HOST_ONLY("a rate wants all scenes");
+    TEST_WANTS_ALL_TRIALS("a rate");
     TEST_ASSERT_TRUE(found_without_guess(150, 4, TEST_GENERAL, 0, 1) >= 144);
     TEST_ASSERT_TRUE(found_without_guess(200, 6, TEST_GENERAL, 0, 2) >= 198);
     TEST_ASSERT_TRUE(found_without_guess(100, 8, TEST_GENERAL, 0, 3) >= 99);
@@ -435,7 +435,7 @@ static void test_general_points_need_no_guess(void)
 
 static void test_points_in_a_plane_need_no_guess(void)
 {
-    TEST_ON_HOST_ONLY("a rate wants all scenes");
+    TEST_WANTS_ALL_TRIALS("a rate");
     TEST_ASSERT_TRUE(found_without_guess(100, 4, TEST_SQUARE, 0, 10) >= 95);
     TEST_ASSERT_TRUE(found_without_guess(100, 4, TEST_PLANAR, 0, 11) >= 86);
     TEST_ASSERT_TRUE(found_without_guess(200, 6, TEST_PLANAR, 0, 12) >= 191);

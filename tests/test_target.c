@@ -218,7 +218,7 @@ static double base_sd(void)
 
 static void test_a_carried_target_tells_the_length_of_a_base(void)
 {
-    const int rigs = TEST_TRIALS(40);
+    const int rigs = 40;
     int inside = 0;
 
     TEST_ON_HOST_ONLY("a rate");
@@ -269,7 +269,7 @@ static void test_a_target_that_was_lifted_has_no_place(void)
 
 static void test_a_target_that_stays_tells_which_of_two_cameras_moved(void)
 {
-    const int trials = TEST_TRIALS(18);
+    const int trials = 18;
 
     TEST_ON_HOST_ONLY("time");
     for (int r = 0; r < trials; r++) {

@@ -53,16 +53,28 @@ int test_main(int argc, char *argv[], const char *file, void (*run_tests)(void))
 
 /* A host runs all trials. An emulated microcontroller computes in double a hundred times
  * slower. So its build runs one in RIGCAL_TEST_ONE_IN of a test's trials. It leaves out,
- * with the reason, tests that mean nothing with so few trials, or that do not fit. */
+ * with the reason, tests that mean nothing with so few trials, or that do not fit
+ * (RIGCAL_TEST_HOST is 0). With the sanitizers a host runs few trials of the tests that
+ * ask for it, and all others. */
 #ifndef RIGCAL_TEST_ONE_IN
 #define RIGCAL_TEST_ONE_IN 1
 #endif
-enum { TEST_ONE_IN = RIGCAL_TEST_ONE_IN };
+#ifndef RIGCAL_TEST_HOST
+#define RIGCAL_TEST_HOST 1
+#endif
+enum { TEST_ONE_IN = RIGCAL_TEST_ONE_IN, TEST_HOST = RIGCAL_TEST_HOST };
 #define TEST_TRIALS(n) (((n) + TEST_ONE_IN - 1) / TEST_ONE_IN)
 #define TEST_ON_HOST_ONLY(reason) \
     do { \
-        if (TEST_ONE_IN > 1) { \
+        if (!TEST_HOST) { \
             TEST_IGNORE_MESSAGE("only on a host: " reason); \
+            return; \
+        } \
+    } while (0)
+#define TEST_WANTS_ALL_TRIALS(reason) \
+    do { \
+        if (TEST_ONE_IN > 1) { \
+            TEST_IGNORE_MESSAGE("only with all trials: " reason); \
             return; \
         } \
     } while (0)

@@ -191,7 +191,7 @@ static void test_none_need_be_wrong(void)
 {
     test_rng rng = test_seed(2);
 
-    for (int n = 0; n < 60; n++) {
+    for (int n = 0; n < TEST_TRIALS(60); n++) {
         rigcal_pose plain[RIGCAL_POSES_MAX];
         size_t n_found;
         problem p;
@@ -242,7 +242,7 @@ static void test_few_points_are_told_to_be_few(void)
     test_rng rng = test_seed(4);
     int sure_of_five = 0, found_of_five = 0, sure_of_eight = 0;
 
-    for (int n = 0; n < 100; n++) {
+    for (int n = 0; n < TEST_TRIALS(100); n++) {
         problem p;
 
         make(&p, &rng, 5, TEST_GENERAL);
@@ -258,8 +258,10 @@ static void test_few_points_are_told_to_be_few(void)
         sure_of_eight += status == RIGCAL_OK && is_right(&p);
     }
     TEST_ASSERT_EQUAL_INT(0, sure_of_five);
-    TEST_ASSERT_GREATER_THAN_INT(80, found_of_five);
-    TEST_ASSERT_GREATER_THAN_INT(90, sure_of_eight);
+    if (TEST_ONE_IN == 1) {
+        TEST_ASSERT_GREATER_THAN_INT(80, found_of_five);
+        TEST_ASSERT_GREATER_THAN_INT(90, sure_of_eight);
+    }
 }
 
 /* Points given twice, and points nearly in one place, make triples that fix no pose. */
@@ -267,7 +269,7 @@ static void test_points_may_be_given_twice(void)
 {
     test_rng rng = test_seed(5);
 
-    for (int n = 0; n < 60; n++) {
+    for (int n = 0; n < TEST_TRIALS(60); n++) {
         problem p;
 
         make(&p, &rng, 20, (test_shape)(n % 3));

@@ -153,7 +153,7 @@ static void test_a_ray_is_not_found_beyond_where_a_lens_turns_back(void)
         const double *const c = LENS[l];
         double most = 0, slope = 1;
 
-        for (double x = 0; slope > 0; x += 1e-4) {
+        for (double x = 0; slope > 0; x += TEST_ONE_IN > 1 ? 1e-3 : 1e-4) {
             most = image_of(&slope, c, x);
         }
         for (int i = 0; i < TEST_TRIALS(PLACES); i++) {

@@ -310,10 +310,10 @@ static void try_all(rigcal_status (*function)(void))
     n = source.calls;
     TEST_ASSERT_TRUE(n > 0);
     for (source.way = 0; source.way < WAYS; source.way++) {
-        const size_t stride =
-            1 + TEST_ONE_IN * n / ((source.way == FAILS) ? 300 : 40);
+        const size_t stride = 1 + TEST_ONE_IN * n / ((source.way == FAILS) ? 300 : 40);
 
-        for (source.at = 1; source.at <= n; source.at += (source.at < 40 / TEST_ONE_IN) ? 1 : stride) {
+        for (source.at = 1; source.at <= n;
+             source.at += (source.at * TEST_ONE_IN < 40) ? 1 : stride) {
             b = before;
             source.calls = 0;
             at_fault = -2;

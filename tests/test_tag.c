@@ -231,8 +231,8 @@ static void test_the_side_is_that_of_the_line_of_sight(void)
         ASSERT_NEAR(0, test_angle_between(R, s.R), TOL(1e-6, 5e-2));
         front++;
     }
-    TEST_ASSERT_GREATER_THAN_INT(TEST_TRIALS(400), front);
-    TEST_ASSERT_GREATER_THAN_INT(TEST_TRIALS(400), back);
+    TEST_ASSERT_GREATER_THAN_INT(TEST_ONE_IN > 1 ? 0 : 400, front);
+    TEST_ASSERT_GREATER_THAN_INT(TEST_ONE_IN > 1 ? 0 : 400, back);
 }
 
 /* The sine by which the camera is behind the tag's plane: its centre is at -R^T t, and z

@@ -49,32 +49,40 @@ msan) sanitize=memory ;;
 esac
 flags="-std=c99 -g -O1 -Wall -Wextra -Werror -fno-sanitize-recover=all -Iinclude -Iexamples"
 
-# build_library FOLDER DEFINES: FOLDER/library.a. The objects are built again if a source or a
-# header is newer.
+# build_library FOLDER DEFINES [SANITIZERS]: FOLDER/library.a. The objects are built again if
+# a source or a header is newer.
 build_library() {
     mkdir -p "$1"
     newest=$(find src include -type f -newer "$1/library.a" 2>/dev/null || echo none)
     if [ -n "$newest" ]; then
         printf '%s\n' src/*.c | xargs -P "${CMAKE_BUILD_PARALLEL_LEVEL:-2}" -I{} sh -c '
-            clang-19 $1 -fsanitize=fuzzer-no-link,$2 -c "$3" -o "$4/$(basename "$3" .c).o"
-        ' compile "$flags $2" "$sanitize" {} "$1"
+            clang-19 $1 -fsanitize=fuzzer-no-link$2 -c "$3" -o "$4/$(basename "$3" .c).o"
+        ' compile "$flags $2" "${3-,$sanitize}" {} "$1"
         rm -f "$1/library.a"
         ar rcs "$1/library.a" "$1"/rigcal_*.o
     fi
 }
 
 # The library in float as one object, of which only the functions of fuzz_narrow.h are visible.
+# In CI it has no sanitizers: there the step asan-float has them.
 build_narrow() {
-    build_library "$build-narrow" -DRIGCAL_USE_FLOAT=1
+    also=,$sanitize
+    [ "$what" != double ] || also=
+    narrow=$build-narrow${also:+-checked}
+    build_library "$narrow" -DRIGCAL_USE_FLOAT=1 "$also"
     # shellcheck disable=SC2086 -- flags
-    clang-19 $flags -DRIGCAL_USE_FLOAT=1 -fsanitize=fuzzer-no-link,$sanitize \
-        -c tests/fuzz/fuzz_narrow.c -o "$build-narrow/fuzz_narrow.o"
-    ld -r -o "$build-narrow/narrow.o" "$build-narrow/fuzz_narrow.o" "$build-narrow/library.a"
-    objcopy --wildcard --keep-global-symbol='narrow_*' "$build-narrow/narrow.o"
+    clang-19 $flags -DRIGCAL_USE_FLOAT=1 -fsanitize=fuzzer-no-link$also \
+        -c tests/fuzz/fuzz_narrow.c -o "$narrow/fuzz_narrow.o"
+    ld -r -o "$narrow/narrow.o" "$narrow/fuzz_narrow.o" "$narrow/library.a"
+    objcopy --wildcard --keep-global-symbol='narrow_*' "$narrow/narrow.o"
 }
 
 build_library "$build" "$defines"
 flags="$flags $defines"
+for shared in fuzz fuzz_rigs; do
+    # shellcheck disable=SC2086 -- flags
+    clang-19 $flags -fsanitize=fuzzer,$sanitize -c "tests/fuzz/$shared.c" -o "$build/$shared.o"
+done
 # In CI the inputs are the same each time, whatever campaigns have found.
 case $what in
 double | float)
@@ -111,12 +119,12 @@ run() {
     csv) others="examples/cli_input.c examples/cli_names.c examples/cli_foreign.c examples/cli_os.c" ;;
     ways)
         build_narrow
-        others="tests/fuzz/fuzz_rigs.c $build-narrow/narrow.o"
+        others="$build/fuzz_rigs.o $narrow/narrow.o"
         ;;
-    *) others=tests/fuzz/fuzz_rigs.c ;;
+    *) others=$build/fuzz_rigs.o ;;
     esac
     # shellcheck disable=SC2086 -- lists of flags and of sources
-    clang-19 $flags -fsanitize=fuzzer,$sanitize "tests/fuzz/fuzz_$1.c" tests/fuzz/fuzz.c \
+    clang-19 $flags -fsanitize=fuzzer,$sanitize "tests/fuzz/fuzz_$1.c" "$build/fuzz.o" \
         $others "$build/library.a" -lm -o "$program"
     found=$corpus/$1
     name=$1

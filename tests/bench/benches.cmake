@@ -56,7 +56,7 @@ if(UNIX)
         LABELS bench TIMEOUT ${limit})
 endif()
 
-bench(bench_wide rigcal_bench_support check 100)
+bench(bench_wide rigcal_bench_support check 25)
 
 # What a solve costs. ctest checks that its scenes are solved.
 bench(bench_cost rigcal_bench_support check)

@@ -5,8 +5,9 @@
 #   sh tests/run.sh STEP...    runs only the steps named (first column below), and
 #                              installs only what these need
 #
-# Prints one line for each step when it ends. Its log is build/logs/STEP.log. On two cores
-# two steps run at a time, on more at most four. RIGCAL_LANES sets another number.
+# Prints one line for each step when it ends. Its log is build/logs/STEP.log. One step more
+# than there are cores runs at a time, because steps wait for disks and networks too; but at
+# most four. RIGCAL_LANES sets another number.
 
 # The step, what it needs (see want_need), and its command. They begin in this order. Steps
 # that need the same folder, build/NAME, run one after the other.
@@ -48,6 +49,8 @@ clang-float   gcc,clang,cmake,unity,build/gcc-float
 shared        gcc,cmake,unity              preset shared-tests
 single-file   gcc,g++,clang,cmake,unity,python,build/gcc-double,build/gcc-float
               preset_build gcc-double && preset_build gcc-float && sh tests/ways/single_file.sh
+coverage      llvm,cmake,unity,python      sh tests/coverage/run.sh
+fuzz          libfuzzer,python             sh tests/fuzz/run.sh
 ways          gcc,g++,cmake,arduino,venv   sh tests/ways/run.sh build/ways
 hooks         gcc,clang,arm,cmake,unity,python,build/gcc-float
               preset_build gcc-float && sh tests/ways/hooks.sh build/hooks
@@ -96,16 +99,14 @@ matrix        gcc,g++,clang,i686,cmake,unity,build/gcc-double,build/gcc-float
 readme        gcc,python                   $PYTHON tests/checks/check_readme.py && $PYTHON tests/bench/quoted.py --check
 header        gcc,g++,clang                sh tests/checks/check_header.sh
 cross         arm                          sh tests/checks/check_cross.sh
-fuzz          libfuzzer,python             sh tests/fuzz/run.sh
-coverage      llvm,cmake,unity,python      sh tests/coverage/run.sh
 windows       mingw,cmake                  sh tests/checks/check_windows.sh build/windows
 memory        arm                          sh tests/bench/rig_memory.sh
+release       gcc,cmake,python             sh tests/checks/check_release.sh build/release-check
 layers        gcc,python                   $PYTHON tests/checks/check_layers.py
 limits        gcc,python                   $PYTHON tests/checks/check_limits.py
 layout        python                       $PYTHON tests/checks/check_layout.py
 manifests     python                       $PYTHON tests/checks/check_manifests.py
 format        clang-format                 sh tests/checks/check_format.sh
-release       gcc,cmake,python             sh tests/checks/check_release.sh build/release-check
 shell         nothing                      sh tests/checks/check_shell.sh
 words         nothing                      sh tests/checks/check_words.sh
 '
@@ -253,7 +254,7 @@ trap 'rm -rf "$state"' EXIT
 
 # Steps run side by side, in lanes, because most steps use only one core much of the time.
 cores=$(nproc 2>/dev/null || echo 2)
-most=${RIGCAL_LANES:-$((cores < 4 ? cores : 4))}
+most=${RIGCAL_LANES:-$((cores < 4 ? cores + 1 : 4))}
 count=$(echo "$asked" | wc -w)
 lanes=$((count < most ? count : most))
 jobs=$(((cores + lanes - 1) / lanes))

@@ -39,7 +39,7 @@ sh tests/ways/relink.sh build/gcc-float "$out/tests" gcc "$out/library/librigcal
 mkdir "$out/m4f"
 for source in src/*.c $port/rigcal_tables.c; do
     arm-none-eabi-gcc --specs=picolibc.specs -mcpu=cortex-m4 -mthumb \
-        -mfloat-abi=hard -mfpu=fpv4-sp-d16 $strict -Iinclude -I$port \
+        -mfloat-abi=hard -mfpu=fpv4-sp-d16 $strict -O1 -Iinclude -I$port \
         '-DRIGCAL_CONFIG_FILE="rigcal_config_cmsis_dsp.h"' \
         -c "$source" -o "$out/m4f/$(basename "$source" .c).o"
 done

@@ -54,8 +54,8 @@ int test_main(int argc, char *argv[], const char *file, void (*run_tests)(void))
 /* A host runs all trials. An emulated microcontroller computes in double a hundred times
  * slower. So its build runs one in RIGCAL_TEST_ONE_IN of a test's trials. It leaves out,
  * with the reason, tests that mean nothing with so few trials, or that do not fit
- * (RIGCAL_TEST_HOST is 0). With the sanitizers a host runs few trials of the tests that
- * ask for it, and all others. */
+ * (RIGCAL_TEST_HOST is 0). With the sanitizers a host runs a part of the trials too, and
+ * leaves out the rates that take long. */
 #ifndef RIGCAL_TEST_ONE_IN
 #define RIGCAL_TEST_ONE_IN 1
 #endif

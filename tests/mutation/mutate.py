@@ -26,7 +26,8 @@ The recorded mutant of a file is, of those that a test killed, the one of the fa
 and of these the first by the seed; recorded.csv names mutant and test. A file without one
 has none in CI. Where it is gone from the source, the first by the seed takes its place.
 
-Build the preset gcc-double first. Results are appended to build/mutation/results.csv: a run
+Build the preset gcc-double first, and for campaigns asan with all trials
+(cmake --preset asan -DRIGCAL_TEST_ONE_IN=1). Results are appended to build/mutation/results.csv: a run
 that was ended goes on where it was. A mutant runs again when its file changed, or when it
 survived and a test changed.
 """

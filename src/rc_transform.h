@@ -27,6 +27,11 @@ void rc_transform_between(rigcal_transform *b_from_a, const rigcal_transform *b_
  * second order, and R stays a rotation for any step. */
 void rc_transform_move(rigcal_transform *pose, const rigcal_real d[6]);
 
+/* Carries the error d = (w, ds) of a to b. An error turns by w about the own centre, then
+ * shifts by ds. With b_from_a = (R, t), w becomes R w and ds becomes R ds + t x R w: 36
+ * numbers, row by row. */
+void rc_transform_carry(rigcal_real out[36], const rigcal_transform *b_from_a);
+
 /* rigcal_transform_mean of n >= 1 transforms, after the weights were checked: OK or
  * ERR_ROTATION. */
 rigcal_status rc_transform_mean(rigcal_transform *mean, rigcal_real *sigma_rad,

@@ -9,7 +9,7 @@
 #include "rc_alarm.h"
 #include "rc_filter.h"
 
-/* Numbers of a trial: the move (w, dt), the factors of its covariance, and the sum of logs.
+/* Numbers of a trial: the move (w, ds), the factors of its covariance, and the sum of logs.
  * They lie in the memory that the alarm lends. */
 enum { RC_TRIAL_MOVE = 0, RC_TRIAL_UD = 6, RC_TRIAL_LOG = 27, RC_TRIAL_SIZE = 28 };
 

@@ -106,6 +106,21 @@ void rc_transform_between(rigcal_transform *b_from_a, const rigcal_transform *b_
     rc_vec3_sub(b_from_a->t, b_from_world->t, turned);
 }
 
+void rc_transform_carry(rigcal_real out[36], const rigcal_transform *b_from_a)
+{
+    const rigcal_real *const R = b_from_a->R;
+    rc_clear(out, 36);
+    for (int j = 0; j < 3; j++) {
+        const rigcal_real r[3] = {R[j], R[3 + j], R[6 + j]};
+        rigcal_real shift[3];
+        rc_vec3_cross(shift, b_from_a->t, r);
+        for (int i = 0; i < 3; i++) {
+            out[6 * i + j] = out[6 * (i + 3) + j + 3] = r[i];
+            out[6 * (i + 3) + j] = shift[i];
+        }
+    }
+}
+
 /* ---- the mean of transforms ---------------------------------------------- */
 
 static rigcal_real weight_of(const rigcal_real weight[], size_t i)

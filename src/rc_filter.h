@@ -90,6 +90,11 @@ void rc_filter_move(rigcal_transform *pose, rigcal_real dt[3], const rigcal_real
 /* Moves the pose of a body by d. What rounding leaves of the step stays in d. */
 void rc_filter_apply(const rc_filter *f, size_t body);
 
+/* The variance of a body's shift if it makes the largest move: q_t of a camera. A target may
+ * shift as far as a turn of the frame shifts what it sees there. */
+rigcal_real rc_filter_shift(const rc_filter *f, size_t body, rigcal_real q_rad,
+                            rigcal_real q_t);
+
 /* Adds the move of a body to P, which must be multiplied out: the variances q_rad and q_t
  * of each axis (M6, M7), or the covariance Q. A move of the frame is a move of all others.
  * O(n_bodies^2) */

@@ -579,6 +579,17 @@ static void carry_equal(rigcal_real M[36], const rigcal_transform *b_from_frame,
     }
 }
 
+rigcal_real rc_filter_shift(const rc_filter *f, size_t body, rigcal_real q_rad,
+                            rigcal_real q_t)
+{
+    rigcal_transform body_from_frame;
+    if (body < f->n_cameras) {
+        return q_t;
+    }
+    rc_transform_between(&body_from_frame, &f->poses[body], &f->poses[f->frame]);
+    return q_t + q_rad * rc_vec3_dot(body_from_frame.t, body_from_frame.t);
+}
+
 /* For a body, Q is diagonal in its own axes. A move of the frame is one of all others. */
 void rc_filter_spread(const rc_filter *f, rigcal_real P[], size_t body, rigcal_real q_rad,
                       rigcal_real q_t)

@@ -32,6 +32,7 @@ void rc_trial_begin(const rc_filter *f, const rc_alarm *alarm, rigcal_real bodie
                     rigcal_real move_rad, rigcal_real move_t)
 {
     const rigcal_real log_sum = rc_alarm_log_sum(alarm, bodies);
+    const rigcal_real q_rad = move_rad * move_rad, q_t = move_t * move_t;
     rigcal_real most = LIKELIHOOD_LEAST;
     const rigcal_real zero = move_rad - move_rad; /* the compiler must not know that it is
                                                      0: the C library's memset is slow */
@@ -46,9 +47,10 @@ void rc_trial_begin(const rc_filter *f, const rc_alarm *alarm, rigcal_real bodie
         }
         trial[RC_TRIAL_LOG] =
             rc_min(SHARES_EQUAL + rc_log(rc_max(share, LIKELIHOOD_LEAST)), 0);
+        const rigcal_real shift = rc_filter_shift(f, b, q_rad, q_t);
         for (size_t k = 0; k < 3; k++) {
-            trial[RC_TRIAL_UD + rc_packed_at(k, k)] = move_rad * move_rad;
-            trial[RC_TRIAL_UD + rc_packed_at(k + 3, k + 3)] = move_t * move_t;
+            trial[RC_TRIAL_UD + rc_packed_at(k, k)] = q_rad;
+            trial[RC_TRIAL_UD + rc_packed_at(k + 3, k + 3)] = shift;
         }
     }
 }

@@ -159,6 +159,8 @@ static void test_a_camera_that_was_turned_is_noticed_named_and_mended(void)
     TEST_ASSERT_TRUE(inside >= trials - trials / 8);
 }
 
+/* A turn of one camera looks like a turn and a shift of the other. If the shift is within
+ * what is expected, here 0.2 of 0.6 mm, neither is ruled out. */
 static void test_of_two_cameras_with_matches_alone_either_may_have_moved(void)
 {
     WANTS_RIG();
@@ -174,14 +176,14 @@ static void test_of_two_cameras_with_matches_alone_either_may_have_moved(void)
         for (int f = 0; f < 30; f++) {
             frame(&report, &rng, &CLEAN);
         }
-        turn(camera, 0.5, &rng);
+        turn(camera, 0.1, &rng);
         TEST_ASSERT_TRUE(wait_for_alarm(&report, &rng, &CLEAN) < 40);
         for (int f = 0; f < 15; f++) {
             frame(&report, &rng, &CLEAN);
         }
         for (size_t b = 0; b < 2; b++) {
             ASSERT_STATUS(RIGCAL_OK, rigcal_monitor_body(&bodies[b], w.monitor, b));
-            ASSERT_NEAR(0.5, bodies[b].blame, 0.1);
+            TEST_ASSERT_TRUE(bodies[b].blame > RC(0.1));
         }
         ASSERT_NEAR(1, D(bodies[0].blame) + D(bodies[1].blame), 1e-5);
         /* either answer corrects what can be seen: the relative pose of the two */
@@ -195,6 +197,37 @@ static void test_of_two_cameras_with_matches_alone_either_may_have_moved(void)
 }
 
 /* Between an alarm and its answer no pose changes. */
+/* A large turn of one camera looks like a turn and a shift of the other by up to 6 mm, ten
+ * times what is expected. */
+static void test_of_two_cameras_the_one_that_turned_far_is_named(void)
+{
+    const int trials = TEST_TRIALS(20);
+    int right = 0, sure = 0;
+
+    WANTS_RIG();
+    for (int r = 0; r < trials; r++) {
+        test_rng rng = test_seed(450 + (uint64_t)r);
+        rigcal_monitor_options o;
+        rigcal_monitor_report report;
+
+        options_of(&o, 1e4);
+        test_watched_make(&w, &rng, 2, 1, 0.05 * DEGREE, 2e-3);
+        test_watched_begin(&w, 0, &o);
+        for (int f = 0; f < 30; f++) {
+            frame(&report, &rng, &CLEAN);
+        }
+        turn(r % 2, 3, &rng);
+        TEST_ASSERT_TRUE(wait_for_alarm(&report, &rng, &CLEAN) < 40);
+        for (int f = 0; f < 15; f++) {
+            frame(&report, &rng, &CLEAN);
+        }
+        right += report.body == r % 2;
+        sure += report.confidence > RC(0.9);
+    }
+    TEST_ASSERT_TRUE(right >= trials - trials / 5);
+    TEST_ASSERT_TRUE(sure >= trials - trials / 3);
+}
+
 static void test_poses_rest_until_an_alarm_is_answered(void)
 {
     test_rng rng = test_seed(500);
@@ -676,6 +709,7 @@ TEST_MAIN()
     RUN_TEST(test_time_adds_the_walk_of_both_cameras_and_nothing_without_one);
     RUN_TEST(test_a_camera_that_was_turned_is_noticed_named_and_mended);
     RUN_TEST(test_of_two_cameras_with_matches_alone_either_may_have_moved);
+    RUN_TEST(test_of_two_cameras_the_one_that_turned_far_is_named);
     RUN_TEST(test_poses_rest_until_an_alarm_is_answered);
     RUN_TEST(test_a_camera_that_is_opened_is_solved_anew_by_the_next_rows);
     RUN_TEST(test_an_opened_camera_follows_its_rows_for_ten_frames);

@@ -84,16 +84,8 @@ int rc_filter_ask(rc_news *news, const rc_filter *f, size_t a, size_t b, const r
 int rc_filter_row(rc_news *news, const rc_filter *f, size_t a, size_t b, const rc_row *row,
                   rigcal_real wrong, int open);
 
-/* Moves a pose by an error (w, ds). dt is what t had to change by, before rounding. */
-void rc_filter_move(rigcal_transform *pose, rigcal_real dt[3], const rigcal_real d[6]);
-
 /* Moves the pose of a body by d. What rounding leaves of the step stays in d. */
 void rc_filter_apply(const rc_filter *f, size_t body);
-
-/* The variance of a body's shift if it makes the largest move: q_t of a camera. A target may
- * shift as far as a turn of the frame shifts what it sees there. */
-rigcal_real rc_filter_shift(const rc_filter *f, size_t body, rigcal_real q_rad,
-                            rigcal_real q_t);
 
 /* Adds the move of a body to P, which must be multiplied out: the variances q_rad and q_t
  * of each axis (M6, M7), or the covariance Q. A move of the frame is a move of all others.
@@ -103,7 +95,7 @@ void rc_filter_spread(const rc_filter *f, rigcal_real P[], size_t body, rigcal_r
 void rc_filter_spread_by(const rc_filter *f, rigcal_real P[], size_t body,
                          const rigcal_real Q[36]);
 
-/* P += M at the block of bodies a and b, neither of which is the frame, and b <= a. P must be
+/* P += M at the block of bodies a and b <= a, neither of which is the frame. P must be
  * multiplied out. M is 6 x 6, row by row. */
 void rc_filter_add(const rc_filter *f, rigcal_real P[], size_t a, size_t b,
                    const rigcal_real M[36]);

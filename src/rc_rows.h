@@ -41,8 +41,8 @@ rigcal_status rc_rows_of(rc_row rows[], const rc_seen *seen, const rigcal_transf
                          const rigcal_transform *b);
 
 /* Places a target by a view of a camera. by_camera says how its error depends on the error
- * of the camera's pose, and by_view on the error (w, dt) of the view's pose, where t becomes
- * t + dt: 36 numbers each, row by row. */
+ * of the camera's pose. by_view says it of the error (w, dt) of the view's pose, where t
+ * becomes t + dt. They are 36 numbers each, row by row. */
 void rc_rows_place(rigcal_transform *target_from_rig, rigcal_real by_camera[36],
                    rigcal_real by_view[36], const rigcal_transform *camera_from_rig,
                    const rigcal_transform *camera_from_target);

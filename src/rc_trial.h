@@ -13,6 +13,11 @@
  * They lie in the memory that the alarm lends. */
 enum { RC_TRIAL_MOVE = 0, RC_TRIAL_UD = 6, RC_TRIAL_LOG = 27, RC_TRIAL_SIZE = 28 };
 
+/* The variance of a body's shift if it makes the largest move: q_t of a camera. A target
+ * may shift as far as a turn of the frame shifts what it sees there. */
+rigcal_real rc_trial_shift(const rc_filter *f, size_t body, rigcal_real q_rad,
+                           rigcal_real q_t);
+
 /* Begins a trial for each body, in memory of the alarm. Its sum of logs begins with the
  * body's share of the evidence, which came from other rows. */
 void rc_trial_begin(const rc_filter *f, const rc_alarm *alarm, rigcal_real bodies[],

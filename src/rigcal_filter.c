@@ -478,27 +478,6 @@ static void tidy(rigcal_real R[9])
     rc_vec3_cross(&R[3], &R[6], &R[0]);
 }
 
-/* What a step (w, ds) adds to t: ds, and what the turn of rc_transform_move does to t. */
-static void shift_of(rigcal_real dt[3], const rigcal_real d[6], const rigcal_real t[3])
-{
-    rigcal_real v[3], once[3], twice[3];
-    rc_vec3_scale(v, RC(0.5), d);
-    const rigcal_real scale = 2 / (1 + rc_vec3_dot(v, v));
-    rc_vec3_cross(once, v, t);
-    rc_vec3_cross(twice, v, once);
-    rc_vec3_add(once, twice);
-    rc_vec3_combine(dt, 1, &d[3], scale, once);
-}
-
-void rc_filter_move(rigcal_transform *pose, rigcal_real dt[3], const rigcal_real d[6])
-{
-    rigcal_real step[6];
-    shift_of(dt, d, pose->t);
-    rc_vec3_copy(step, d);
-    rc_vec3_copy(&step[3], dt);
-    rc_transform_move(pose, step);
-}
-
 /* With the rest `left` of the turn, t is still to be turned too: so left x t is no rest of
  * the shift. */
 void rc_filter_apply(const rc_filter *f, size_t body)
@@ -511,7 +490,7 @@ void rc_filter_apply(const rc_filter *f, size_t body)
     rigcal_transform *const pose = &f->poses[body];
     const rigcal_transform before = *pose;
     rigcal_real left[3] = {0, 0, 0}, dt[3], did[3];
-    rc_filter_move(pose, dt, d);
+    rc_transform_displace(pose, dt, d);
     tidy(pose->R);
     if (rc_vec3_max_abs(d) <= LEFT_TURN_MAX) {
         left_of_turn(left, d, before.R, pose->R);
@@ -555,41 +534,6 @@ void rc_filter_add(const rc_filter *f, rigcal_real P[], size_t a, size_t b,
     }
 }
 
-/* M = carry_b Q carry_c^T, with Q of the same variances along all axes. R is R_b R_c^T, and
- * t_b, t_c are those of b_from_frame and c_from_frame: the turns give q_rad (R, R [t_c]^T;
- * [t_b] R, [t_b] R [t_c]^T), the shifts q_t R. */
-static void carry_equal(rigcal_real M[36], const rigcal_transform *b_from_frame,
-                        const rigcal_transform *c_from_frame, rigcal_real q_rad,
-                        rigcal_real q_t)
-{
-    rigcal_real R[9];
-    rc_mat3_mul_t(R, b_from_frame->R, c_from_frame->R);
-    for (int i = 0; i < 3; i++) {
-        rigcal_real *const row = &M[6 * i];
-        rc_vec3_scale(row, q_rad, &R[3 * i]);
-        rc_vec3_cross(&row[3], c_from_frame->t, row);
-    }
-    for (int j = 0; j < 6; j++) {
-        const rigcal_real column[3] = {M[j], M[6 + j], M[12 + j]};
-        rigcal_real shift[3];
-        rc_vec3_cross(shift, b_from_frame->t, column);
-        for (int i = 0; i < 3; i++) {
-            M[6 * (i + 3) + j] = shift[i] + (j < 3 ? 0 : q_t * R[3 * i + j - 3]);
-        }
-    }
-}
-
-rigcal_real rc_filter_shift(const rc_filter *f, size_t body, rigcal_real q_rad,
-                            rigcal_real q_t)
-{
-    rigcal_transform body_from_frame;
-    if (body < f->n_cameras) {
-        return q_t;
-    }
-    rc_transform_between(&body_from_frame, &f->poses[body], &f->poses[f->frame]);
-    return q_t + q_rad * rc_vec3_dot(body_from_frame.t, body_from_frame.t);
-}
-
 /* For a body, Q is diagonal in its own axes. A move of the frame is one of all others. */
 void rc_filter_spread(const rc_filter *f, rigcal_real P[], size_t body, rigcal_real q_rad,
                       rigcal_real q_t)
@@ -611,7 +555,7 @@ void rc_filter_spread(const rc_filter *f, rigcal_real P[], size_t body, rigcal_r
                 continue;
             }
             rc_transform_between(&c_from_frame, &f->poses[c], &f->poses[body]);
-            carry_equal(M, &b_from_frame, &c_from_frame, q_rad, q_t);
+            rc_transform_carry_equal(M, &b_from_frame, &c_from_frame, q_rad, q_t);
             rc_filter_add(f, P, b, c, M);
         }
     }

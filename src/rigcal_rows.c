@@ -187,8 +187,8 @@ static rigcal_status match_row(rc_row *row, const rc_seen *seen, const rigcal_tr
 
 /* ---- a view of a target ------------------------------------------------------ */
 
-/* (M4) A point X of the target is at p in the camera's frame: dp = w_a x p + ds_a - R_ab (w_b
- * x X + ds_b). */
+/* (M4) A point X of the target is at p in the camera's frame: dp = w_a x p + ds_a - R_ab
+ * (w_b x X + ds_b). */
 static rigcal_status view_rows(rc_row rows[2], const rc_seen *seen,
                                const rigcal_transform *a, const rigcal_transform *b)
 {

@@ -28,6 +28,17 @@ static const rigcal_real *trial_in(const rigcal_real bodies[], size_t body)
     return &bodies[body * RC_ALARM_BODY];
 }
 
+rigcal_real rc_trial_shift(const rc_filter *f, size_t body, rigcal_real q_rad,
+                           rigcal_real q_t)
+{
+    rigcal_transform body_from_frame;
+    if (body < f->n_cameras) {
+        return q_t;
+    }
+    rc_transform_between(&body_from_frame, &f->poses[body], &f->poses[f->frame]);
+    return q_t + q_rad * rc_vec3_dot(body_from_frame.t, body_from_frame.t);
+}
+
 void rc_trial_begin(const rc_filter *f, const rc_alarm *alarm, rigcal_real bodies[],
                     rigcal_real move_rad, rigcal_real move_t)
 {
@@ -47,7 +58,7 @@ void rc_trial_begin(const rc_filter *f, const rc_alarm *alarm, rigcal_real bodie
         }
         trial[RC_TRIAL_LOG] =
             rc_min(SHARES_EQUAL + rc_log(rc_max(share, LIKELIHOOD_LEAST)), 0);
-        const rigcal_real shift = rc_filter_shift(f, b, q_rad, q_t);
+        const rigcal_real shift = rc_trial_shift(f, b, q_rad, q_t);
         for (size_t k = 0; k < 3; k++) {
             trial[RC_TRIAL_UD + rc_packed_at(k, k)] = q_rad;
             trial[RC_TRIAL_UD + rc_packed_at(k + 3, k + 3)] = shift;
@@ -67,8 +78,8 @@ static void add_move(rigcal_real x[6], const rigcal_real dx[6])
     rc_vec3_add_scaled(x, RC(0.5), both);
 }
 
-/* Moves a pose by x = (w, ds), as rc_filter_move does. With v = w / 2 and s = 2 / (1 +
- * v^2) the turn is (1 - s v^2) 1 + s v v^T + s [v]x. Multiplying by it takes half the
+/* Moves a pose by x = (w, ds), as rc_transform_displace does. With v = w / 2 and s = 2 / (1
+ * + v^2) the turn is (1 - s v^2) 1 + s v v^T + s [v]x. Multiplying by it takes half the
  * instructions. */
 static void move_by(rigcal_transform *out, const rigcal_transform *pose,
                     const rigcal_real x[6])

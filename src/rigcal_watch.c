@@ -160,7 +160,7 @@ static void open_body(rc_monitor *m, size_t body)
         rc_filter_put(f, body, &pose);
         rc_filter_spread_by(f, f->UD, body, Sigma);
     } else {
-        rc_filter_spread(f, f->UD, body, q_rad, rc_filter_shift(f, body, q_rad, q_t));
+        rc_filter_spread(f, f->UD, body, q_rad, rc_trial_shift(f, body, q_rad, q_t));
     }
     rc_filter_factor(f->UD, f->n);
     m->top.head.settling = SETTLING;

@@ -375,7 +375,7 @@ static void test_a_move_of_the_frame_is_one_of_all_others(void)
             Q[k] = (rigcal_real)(d[k / 6] * d[k % 6]);
         }
         moved = s.poses[frame];
-        rc_filter_move(&moved, dt, step);
+        rc_transform_displace(&moved, dt, step);
         rc_clear(P, N * (N + 1) / 2);
         rc_filter_spread_by(&s.f, P, frame, Q);
         rc_filter_put(&s.f, frame, &moved);

@@ -643,8 +643,8 @@ static void test_time_moves_cameras_and_not_targets(void)
     }
 }
 
-/* Without an alarm an opened camera is uncertain by the largest move, and others stay. A turn
- * by e about its own centre changes its t by e x t. */
+/* Without an alarm an opened camera is uncertain by the largest move, and others stay. A
+ * turn by e about its own centre changes its t by e x t. */
 static void test_an_opened_camera_is_uncertain_by_the_largest_move(void)
 {
     const watched_matches some = {20, 0.3, 0, 1};

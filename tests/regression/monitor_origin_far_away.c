@@ -12,7 +12,7 @@ enum { CAMERAS = WATCHED_CAMERAS_MAX > 2 ? 4 : 2, N = 6 * (CAMERAS - 1) };
 static test_watched near, far;
 static watched_pose near_from_far; /* another frame of the same rig */
 
-/* ---- the same rig in another frame ---------------------------------------------------- */
+/* ---- the same rig in another frame ------------------------------------------------ */
 
 static watched_pose in_far(const watched_pose *cam_from_near)
 {
@@ -81,7 +81,7 @@ static double nees_in_far(test_watched *w, double e[])
     return sum;
 }
 
-/* ---- what a monitor says --------------------------------------------------------------- */
+/* ---- what a monitor says ----------------------------------------------------------- */
 
 static void assert_same_report(const rigcal_monitor_report *a,
                                const rigcal_monitor_report *b)

@@ -38,8 +38,8 @@ typedef struct {
     int by_rays;     /* whether they are given by rays */
 } watched_matches;
 
-/* Cameras whose (w, dt) is known to sd_rad and sd_t: two side by side, 0.12 apart, or more on
- * an arc. Their covariance is diagonal. The monitor is not begun. */
+/* Cameras whose (w, dt) is known to sd_rad and sd_t: two side by side, 0.12 apart, or more
+ * on an arc. Their covariance is diagonal. The monitor is not begun. */
 void test_watched_make(test_watched *w, test_rng *rng, int n_cameras, int is_parallel,
                        double sd_rad, double sd_t);
 

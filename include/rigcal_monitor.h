@@ -18,16 +18,16 @@
  * stays. If that camera moves, all others seem to move.
  *
  * Matches alone do not show the length of a baseline, or the scale of a rig of more
- * cameras. With two cameras they do not show which one moved, unless it turned far: to the
- * other camera this looks like a shift of many times move_t. A move that is too small for
- * an alarm is followed instead. Do not choose matches by the calibration that is under
- * test: search a band of several pixels about the line, or track points.
+ * cameras. With two cameras they do not show which one moved, unless it turned far: that
+ * looks like a shift of the other by many times move_t. A move that is too small for an
+ * alarm is followed instead. Do not choose matches by the calibration that is under test:
+ * search a band of several pixels about the line, or track points.
  *
  * A move or a walk of a camera is a turn about its own centre, and a shift of this centre.
  * The rig may have its origin anywhere: apart from rounding, a monitor says the same. In
  * float, with the cameras 1 to 3 apart, an origin at 12 changed poses by 0.003 of their
- * standard deviations, and an origin at 1000 by 0.3. A target that moves turns about its
- * own origin; it may shift as far as a turn of the frame by move_rad would make it appear.
+ * standard deviations, and an origin at 1000 by 0.3. A target turns about its own origin;
+ * its largest shift is move_rad times its distance from the frame.
  *
  * EQUATIONS.md MONITOR has the mathematics. */
 #ifndef RIGCAL_H

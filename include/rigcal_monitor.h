@@ -18,15 +18,16 @@
  * stays. If that camera moves, all others seem to move.
  *
  * Matches alone do not show the length of a baseline, or the scale of a rig of more
- * cameras. With two cameras they do not show which one moved. A move that is too small for
- * an alarm is followed instead. Do not choose matches by the calibration that is under
- * test: search a band of several pixels about the line, or track points.
+ * cameras. With two cameras they do not show which one moved, unless it turned far: that
+ * looks like a shift of the other by many times move_t. A move that is too small for an
+ * alarm is followed instead. Do not choose matches by the calibration that is under test:
+ * search a band of several pixels about the line, or track points.
  *
- * A move or a walk of a camera is a turn about the origin of the rig, and a shift. So let
- * the origin be near the cameras, for example in one of them. A camera that turns about its
- * own centre, far from the origin, is shifted by many times move_t. With the origin at 12
- * times the distance between neighbours, half of the poses after an answer were outside
- * their 95 % ellipsoid; at 4 times, as few as should be.
+ * A move or a walk of a camera is a turn about its own centre, and a shift of this centre.
+ * The rig may have its origin anywhere: apart from rounding, a monitor says the same. In
+ * float, with the cameras 1 to 3 apart, an origin at 12 changed poses by 0.003 of their
+ * standard deviations, and an origin at 1000 by 0.3. A target turns about its own origin;
+ * its largest shift is move_rad times its distance from the frame.
  *
  * EQUATIONS.md MONITOR has the mathematics. */
 #ifndef RIGCAL_H
@@ -80,10 +81,11 @@ typedef struct rigcal_monitor_options {
                                 Values below 1e-5 count as 1e-5 */
     rigcal_real walk_rad;    /* random walk of each camera's rotation, in rad per square
                                 root of a second, 0 .. 1. Default 0: none */
-    rigcal_real walk_t;      /* the same of its place, in lengths, 0 or more. Default 0 */
+    rigcal_real walk_t;      /* the same of its centre, in lengths, 0 or more. Default 0 */
     rigcal_real move_rad;    /* the largest turn that is expected, in rad, > 0 .. 0.5.
                                 Default 3 degrees */
-    rigcal_real move_t;      /* the largest shift that is expected, > 0. 0: default, a tenth
+    rigcal_real
+        move_t; /* the largest shift of a centre that is expected, > 0. 0: default, a tenth
                                 of the mean distance of the cameras times move_rad */
 } rigcal_monitor_options;
 
@@ -202,8 +204,9 @@ typedef struct rigcal_body_report {
     rigcal_real smallest_rad; /* the smallest turn that would have been noticed, about the
                                  axis that is seen worst [rad]; 0: none */
     rigcal_real
-        weakest[6]; /* the direction (w, dt) in which its pose is known worst, of unit
-                       length if lengths are in units of move_t / move_rad */
+        weakest[6]; /* the direction in which its pose is known worst: a turn w about its
+                       own centre, then a shift ds of X_b to X_b + ds. It has unit length if
+                       lengths are in units of move_t / move_rad */
     rigcal_real weakest_sigma; /* its standard deviation [rad]. All are 0 if that unit of
                                   length is so small that its square is 0 */
 } rigcal_body_report;

@@ -1,5 +1,6 @@
-/* rc_filter.h - the poses of bodies and the joint covariance P of their errors. Rows and
- * time change them (M6 to M9 of MONITOR in EQUATIONS.md).
+/* rc_filter.h - the poses of bodies and the joint covariance P of their errors (w, ds),
+ * which are those of rc_rows.h. Rows and time change them (M6 to M9 of MONITOR in
+ * EQUATIONS.md).
  *
  * P = U D U^T (Bierman 1977). U is unit upper triangular. Its column j is packed like row j
  * of a lower triangle, with D on the diagonal. In float this form stays positive definite,
@@ -93,6 +94,11 @@ void rc_filter_spread(const rc_filter *f, rigcal_real P[], size_t body, rigcal_r
                       rigcal_real q_t);
 void rc_filter_spread_by(const rc_filter *f, rigcal_real P[], size_t body,
                          const rigcal_real Q[36]);
+
+/* P += M at the block of bodies a and b <= a, neither of which is the frame. P must be
+ * multiplied out. M is 6 x 6, row by row. */
+void rc_filter_add(const rc_filter *f, rigcal_real P[], size_t a, size_t b,
+                   const rigcal_real M[36]);
 
 /* out = A B C^T, 6 x 6, row by row. */
 void rc_filter_through(rigcal_real out[36], const rigcal_real A[36],

@@ -1,7 +1,8 @@
 /* rc_rows.h - what cameras see, as rows. A row is one scalar equation, r = h_a . d_a + h_b
- * . d_b + noise of standard deviation 1. d = (w, dt) are the errors of two bodies (M1 to M4
- * of MONITOR in EQUATIONS.md). A body is a camera or a target, and its pose is
- * body_from_rig. */
+ * . d_b + noise of standard deviation 1 (M1 to M4 of MONITOR in EQUATIONS.md). A body is a
+ * camera or a target, and its pose is body_from_rig. d = (w, ds) is its error: a turn by w
+ * about the body's own centre, then a shift by ds. R becomes exp(w) R, and t becomes exp(w)
+ * t + ds. So no row depends on where the rig has its origin. */
 #ifndef RC_ROWS_H
 #define RC_ROWS_H
 
@@ -40,8 +41,8 @@ rigcal_status rc_rows_of(rc_row rows[], const rc_seen *seen, const rigcal_transf
                          const rigcal_transform *b);
 
 /* Places a target by a view of a camera. by_camera says how its error depends on the error
- * of the camera's pose, and by_view on that of the view's pose: 36 numbers each, row by
- * row. */
+ * of the camera's pose. by_view says it of the error (w, dt) of the view's pose, where t
+ * becomes t + dt. They are 36 numbers each, row by row. */
 void rc_rows_place(rigcal_transform *target_from_rig, rigcal_real by_camera[36],
                    rigcal_real by_view[36], const rigcal_transform *camera_from_rig,
                    const rigcal_transform *camera_from_target);

@@ -9,9 +9,14 @@
 #include "rc_alarm.h"
 #include "rc_filter.h"
 
-/* Numbers of a trial: the move (w, dt), the factors of its covariance, and the sum of logs.
+/* Numbers of a trial: the move (w, ds), the factors of its covariance, and the sum of logs.
  * They lie in the memory that the alarm lends. */
 enum { RC_TRIAL_MOVE = 0, RC_TRIAL_UD = 6, RC_TRIAL_LOG = 27, RC_TRIAL_SIZE = 28 };
+
+/* The variance of a body's shift if it makes the largest move: q_t of a camera. A target
+ * may shift as far as a turn of the frame shifts what it sees there. */
+rigcal_real rc_trial_shift(const rc_filter *f, size_t body, rigcal_real q_rad,
+                           rigcal_real q_t);
 
 /* Begins a trial for each body, in memory of the alarm. Its sum of logs begins with the
  * body's share of the evidence, which came from other rows. */

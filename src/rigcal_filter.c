@@ -478,6 +478,8 @@ static void tidy(rigcal_real R[9])
     rc_vec3_cross(&R[3], &R[6], &R[0]);
 }
 
+/* With the rest `left` of the turn, t is still to be turned too: so left x t is no rest of
+ * the shift. */
 void rc_filter_apply(const rc_filter *f, size_t body)
 {
     const int32_t first = rc_filter_first(f, body);
@@ -487,15 +489,17 @@ void rc_filter_apply(const rc_filter *f, size_t body)
     rigcal_real *const d = &f->d[first];
     rigcal_transform *const pose = &f->poses[body];
     const rigcal_transform before = *pose;
-    rc_transform_move(pose, d);
+    rigcal_real left[3] = {0, 0, 0}, dt[3], did[3];
+    rc_transform_displace(pose, dt, d);
     tidy(pose->R);
-    rigcal_real left[3] = {0, 0, 0}, did[3];
     if (rc_vec3_max_abs(d) <= LEFT_TURN_MAX) {
         left_of_turn(left, d, before.R, pose->R);
     }
     rc_vec3_copy(d, left);
     rc_vec3_sub(did, pose->t, before.t);
-    rc_vec3_sub(&d[3], &d[3], did);
+    rc_vec3_sub(dt, dt, did);
+    rc_vec3_cross(did, left, pose->t);
+    rc_vec3_sub(&d[3], dt, did);
 }
 
 void rc_filter_put(const rc_filter *f, size_t body, const rigcal_transform *pose)
@@ -518,68 +522,51 @@ void rc_filter_put(const rc_filter *f, size_t body, const rigcal_transform *pose
 
 /* ---- moves --------------------------------------------------------------------- */
 
-/* P += M at row i and column j of packed P. M is 3 x 3 or 6 x 6, row by row. Of a block on
- * the diagonal only the lower triangle is added. */
-static void add_block(rigcal_real P[], size_t i, size_t j, const rigcal_real M[],
-                      size_t size)
+/* Of a block on the diagonal only the lower triangle is added. */
+void rc_filter_add(const rc_filter *f, rigcal_real P[], size_t a, size_t b,
+                   const rigcal_real M[36])
 {
-    for (size_t r = 0; r < size; r++) {
-        for (size_t c = 0; c < size && j + c <= i + r; c++) {
-            P[rc_packed_at(i + r, j + c)] += M[size * r + c];
+    const size_t i = (size_t)rc_filter_first(f, a), j = (size_t)rc_filter_first(f, b);
+    for (size_t r = 0; r < 6; r++) {
+        for (size_t c = 0; c < 6 && j + c <= i + r; c++) {
+            P[rc_packed_at(i + r, j + c)] += M[6 * r + c];
         }
     }
 }
 
-/* Adds to the diagonal of a body's block. */
-static void add_diagonal(rigcal_real P[], size_t first, rigcal_real q_rad, rigcal_real q_t)
-{
-    for (size_t i = first; i < first + 3; i++) {
-        P[rc_packed_at(i, i)] += q_rad;
-        P[rc_packed_at(i + 3, i + 3)] += q_t;
-    }
-}
-
-/* For a body, Q is diagonal in its own axes. For the frame, every block b, c of the others
- * gets R_b Q R_c^T. If Q is the same along all axes this is Q R_b R_c^T, and Q itself for b
- * = c. */
+/* For a body, Q is diagonal in its own axes. A move of the frame is one of all others. */
 void rc_filter_spread(const rc_filter *f, rigcal_real P[], size_t body, rigcal_real q_rad,
                       rigcal_real q_t)
 {
     if (body != f->frame) {
-        add_diagonal(P, (size_t)rc_filter_first(f, body), q_rad, q_t);
+        const size_t first = (size_t)rc_filter_first(f, body);
+        for (size_t i = first; i < first + 3; i++) {
+            P[rc_packed_at(i, i)] += q_rad;
+            P[rc_packed_at(i + 3, i + 3)] += q_t;
+        }
         return;
     }
     for (size_t b = 0; b < f->n_bodies; b++) {
-        for (size_t c = 0; c < b; c++) {
-            rigcal_real turn[9], shift[9];
+        rigcal_transform b_from_frame, c_from_frame;
+        rc_transform_between(&b_from_frame, &f->poses[b], &f->poses[body]);
+        for (size_t c = 0; c <= b; c++) {
+            rigcal_real M[36];
             if (b == body || c == body) {
                 continue;
             }
-            rc_mat3_mul_t(turn, f->poses[b].R, f->poses[c].R);
-            for (int k = 0; k < 9; k++) {
-                shift[k] = q_t * turn[k];
-                turn[k] *= q_rad;
-            }
-            const size_t i = (size_t)rc_filter_first(f, b);
-            const size_t j = (size_t)rc_filter_first(f, c);
-            add_block(P, i, j, turn, 3);
-            add_block(P, i + 3, j + 3, shift, 3);
-        }
-        if (b != body) {
-            add_diagonal(P, (size_t)rc_filter_first(f, b), q_rad, q_t);
+            rc_transform_between(&c_from_frame, &f->poses[c], &f->poses[body]);
+            rc_transform_carry_equal(M, &b_from_frame, &c_from_frame, q_rad, q_t);
+            rc_filter_add(f, P, b, c, M);
         }
     }
 }
 
-/* R_b R_f^T in both blocks of the diagonal. */
-static void turn_of(rigcal_real out[36], const rc_filter *f, size_t body)
+/* Carries an error of the frame to a body. */
+static void carry_to(rigcal_real out[36], const rc_filter *f, size_t body)
 {
-    rigcal_real R[9];
-    rc_mat3_mul_t(R, f->poses[body].R, f->poses[f->frame].R);
-    rc_clear(out, 36);
-    for (int k = 0; k < 9; k++) {
-        out[6 * (k / 3) + k % 3] = out[6 * (k / 3 + 3) + k % 3 + 3] = R[k];
-    }
+    rigcal_transform body_from_frame;
+    rc_transform_between(&body_from_frame, &f->poses[body], &f->poses[f->frame]);
+    rc_transform_carry(out, &body_from_frame);
 }
 
 void rc_filter_through(rigcal_real out[36], const rigcal_real A[36],
@@ -598,9 +585,8 @@ void rc_filter_through(rigcal_real out[36], const rigcal_real A[36],
 void rc_filter_spread_by(const rc_filter *f, rigcal_real P[], size_t body,
                          const rigcal_real Q[36])
 {
-    const int32_t first = rc_filter_first(f, body);
-    if (first >= 0) {
-        add_block(P, (size_t)first, (size_t)first, Q, 6);
+    if (body != f->frame) {
+        rc_filter_add(f, P, body, body, Q);
         return;
     }
     for (size_t b = 0; b < f->n_bodies; b++) {
@@ -609,11 +595,10 @@ void rc_filter_spread_by(const rc_filter *f, rigcal_real P[], size_t body,
             if (b == body || c == body) {
                 continue;
             }
-            turn_of(B, f, b);
-            turn_of(C, f, c);
+            carry_to(B, f, b);
+            carry_to(C, f, c);
             rc_filter_through(moved, B, Q, C);
-            add_block(P, (size_t)rc_filter_first(f, b), (size_t)rc_filter_first(f, c),
-                      moved, 6);
+            rc_filter_add(f, P, b, c, moved);
         }
     }
 }
@@ -647,8 +632,8 @@ void rc_filter_come(const rc_filter *f, rigcal_real P[], size_t body, size_t oth
     rc_filter_leave(f, P, body);
     block_of(across, f, P, other, other);
     rc_filter_through(own, by, across, by);
-    add_block(P, first, first, own, 6);
-    add_block(P, first, first, Q, 6);
+    rc_filter_add(f, P, body, body, own);
+    rc_filter_add(f, P, body, body, Q);
     const int32_t from = rc_filter_first(f, other);
     for (size_t i = 0; i < 6 && from >= 0; i++) {
         f->d[first + i] = rc_vec6_dot(&by[6 * i], &f->d[from]);

@@ -1,3 +1,4 @@
+#include "rc_joint.h"
 #include "rc_monitor.h"
 
 #include <string.h>
@@ -299,28 +300,34 @@ static rigcal_real mean_distance(const rigcal_calibrated_rig *rig)
     return sum / count;
 }
 
-/* Copies the covariance of the cameras. UD was set to 0, which is right for targets and
- * held cameras. */
+/* (w, ds) of a camera = out (w, dt). */
+static void own_error(rigcal_real out[36], const rigcal_calibrated_rig *rig, size_t index)
+{
+    rigcal_transform shift;
+    rc_transform_identity(&shift);
+    rc_vec3_copy(shift.t, rig->cameras[index].cam_from_rig.t);
+    rc_transform_carry(out, &shift);
+}
+
+/* Copies the covariance of the cameras. The rig has that of (w, dt), the filter that of (w,
+ * ds): ds = dt + t x w. UD was set to 0, which is right for targets and held cameras. */
 static void copy_covariance(rc_filter *f, const rigcal_calibrated_rig *rig)
 {
-    size_t from_i = 0;
+    rigcal_real from_a = 0;
     for (size_t a = 0; a < rig->n_cameras; a++) {
-        size_t from_j = 0;
+        rigcal_real from_b = 0, A[36], B[36], block[36], moved[36];
+        own_error(A, rig, a);
         for (size_t b = 0; b <= a && !rig->held[a]; b++) {
             if (rig->held[b]) {
                 continue;
             }
-            for (size_t k = 0; k < 36; k++) {
-                const size_t i = k / 6, j = k % 6;
-                if (from_j + j <= from_i + i) {
-                    f->UD[rc_packed_at((size_t)rc_filter_first(f, a) + i,
-                                       (size_t)rc_filter_first(f, b) + j)] =
-                        rig->Sigma[rc_packed_at(from_i + i, from_j + j)];
-                }
-            }
-            from_j += 6;
+            own_error(B, rig, b);
+            rc_joint_block(block, rig->Sigma, from_a, from_b);
+            rc_filter_through(moved, A, block, B);
+            rc_filter_add(f, f->UD, a, b, moved);
+            from_b += 6;
         }
-        from_i += rig->held[a] ? 0 : 6;
+        from_a += rig->held[a] ? 0 : 6;
     }
     rc_filter_factor(f->UD, f->n);
 }

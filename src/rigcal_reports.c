@@ -24,12 +24,56 @@ static rigcal_status open_for(rc_monitor *m, const rigcal_real monitor[], size_t
     return status;
 }
 
+/* Column k of U, as an error (w, ds) of a body. The frame has none. */
+static void column_of(rigcal_real d[6], const rc_filter *f, size_t body, size_t k)
+{
+    const int32_t first = rc_filter_first(f, body);
+    const rigcal_real *const column = &f->UD[rc_packed_at(k, 0)];
+    rc_clear(d, 6);
+    for (size_t i = 0; i < 6 && first >= 0; i++) {
+        const size_t row = (size_t)first + i;
+        d[i] = row < k ? column[row] : row == k ? 1 : 0;
+    }
+}
+
+/* The same as (w, dt): t becomes t + dt. */
+static void step_of(rigcal_real d[6], const rc_filter *f, size_t body, size_t k)
+{
+    rigcal_real turned[3];
+    column_of(d, f, body, k);
+    rc_vec3_cross(turned, d, f->poses[body].t);
+    rc_vec3_add(&d[3], turned);
+}
+
+/* Sigma += D_k a b^T */
+static void add_column(rigcal_real Sigma[36], const rc_filter *f, size_t k,
+                       const rigcal_real a[6], const rigcal_real b[6])
+{
+    const rigcal_real D = f->UD[rc_packed_at(k, k)];
+    for (int i = 0; i < 36; i++) {
+        Sigma[i] += D * (a[i / 6] * b[i % 6]);
+    }
+}
+
+/* The covariance of (w, dt) of two bodies. As a sum of products, column by column, its
+ * variances are never below 0. */
+static void block_of(rigcal_real Sigma[36], const rc_filter *f, size_t a, size_t b)
+{
+    rc_clear(Sigma, 36);
+    for (size_t k = 0; k < f->n; k++) {
+        rigcal_real d_a[6], d_b[6];
+        step_of(d_a, f, a, k);
+        step_of(d_b, f, b, k);
+        add_column(Sigma, f, k, d_a, d_b);
+    }
+}
+
 static void mount(rigcal_mounted_camera *out, const rc_monitor *m, size_t index)
 {
     rc_monitor_lens_copy lens;
     out->camera = *rc_monitor_lens(&lens, m, index);
     out->cam_from_rig = m->filter.poses[index];
-    rc_filter_block(out->Sigma, &m->filter, index, index);
+    block_of(out->Sigma, &m->filter, index, index);
     out->has_Sigma = 1;
 }
 
@@ -48,35 +92,49 @@ rigcal_status rigcal_monitor_camera(rigcal_mounted_camera *camera,
     return status;
 }
 
-/* The packed covariance of two bodies. */
-static void pack_two(rigcal_real S[78], const rc_filter *f, size_t a, size_t b)
-{
-    const size_t of[2] = {a, b};
-    for (size_t i = 0; i < 12; i++) {
-        for (size_t j = 0; j <= i; j++) {
-            const int32_t row = rc_filter_first(f, of[i / 6]);
-            const int32_t column = rc_filter_first(f, of[j / 6]);
-            S[rc_packed_at(i, j)] =
-                (row < 0 || column < 0)
-                    ? 0
-                    : rc_filter_element(f->UD, f->n, (size_t)row + i % 6,
-                                        (size_t)column + j % 6);
-        }
-    }
-}
-
+/* The errors d_a, d_b of the bodies give b_from_a = (R, t) the error w = w_b - R w_a, dt =
+ * ds_b - R ds_a + w_b x t. */
 rigcal_status rigcal_monitor_pair(rigcal_transform *b_from_a, rigcal_real Sigma[36],
                                   const rigcal_real monitor[], size_t a, size_t b)
 {
-    rigcal_real S[78];
     rc_monitor m;
     const rigcal_status status =
         (b_from_a == NULL || Sigma == NULL) ? RIGCAL_ERR_NULL : open_for(&m, monitor, a, b);
-    if (status == RIGCAL_OK) {
-        pack_two(S, &m.filter, a, b);
-        rc_joint_pair(b_from_a, Sigma, &m.filter.poses[a], &m.filter.poses[b], S, 0, 6, 1);
+    if (status != RIGCAL_OK) {
+        return status;
     }
-    return status;
+    const rc_filter *const f = &m.filter;
+    rc_transform_between(b_from_a, &f->poses[b], &f->poses[a]);
+    rc_clear(Sigma, 36);
+    for (size_t k = 0; k < f->n; k++) {
+        rigcal_real d_a[6], d_b[6], turned[3];
+        column_of(d_a, f, a, k);
+        column_of(d_b, f, b, k);
+        rc_vec3_cross(turned, d_b, b_from_a->t);
+        rc_vec3_add(&d_b[3], turned);
+        for (int half = 0; half < 6; half += 3) {
+            rc_mat3_mul_vec3(turned, b_from_a->R, &d_a[half]);
+            rc_vec3_sub(&d_b[half], &d_b[half], turned);
+        }
+        add_column(Sigma, f, k, d_b, d_b);
+    }
+    return RIGCAL_OK;
+}
+
+/* Writes the joint covariance of all cameras but the frame. */
+static void write_joint(rigcal_real Sigma[], const rc_filter *f)
+{
+    const size_t n = 6 * (f->n_cameras - 1);
+    rc_clear(Sigma, n * (n + 1) / 2);
+    for (size_t a = 0; a < f->n_cameras; a++) {
+        for (size_t b = 0; b <= a; b++) {
+            rigcal_real block[36];
+            if (a != f->frame && b != f->frame) {
+                block_of(block, f, a, b);
+                rc_filter_add(f, Sigma, a, b, block);
+            }
+        }
+    }
 }
 
 rigcal_status rigcal_monitor_rig(rigcal_calibrated_rig *rig, const rigcal_real monitor[])
@@ -100,11 +158,7 @@ rigcal_status rigcal_monitor_rig(rigcal_calibrated_rig *rig, const rigcal_real m
         rig->group[c] = 0;
         rig->held[c] = c == f->frame;
     }
-    for (size_t i = 0; i < n; i++) {
-        for (size_t j = 0; j <= i; j++) {
-            rig->Sigma[rc_packed_at(i, j)] = rc_filter_element(f->UD, f->n, i, j);
-        }
-    }
+    write_joint(rig->Sigma, f);
     rig->n_cameras = f->n_cameras;
     rig->sigma_px = m.top.head.numbers[0];
     rig->F = m.top.head.numbers[1];

@@ -134,24 +134,25 @@ static inline void correct(rigcal_real m[3], const rc_sight *sight, rigcal_real 
 }
 
 /* The derivatives of -e at the match (m_a, m_b), times by = 1 / s. With the gradients g of
- * e by m_b and c of e by t, h_b = by (-m_b x g - t_b x c; c). A move of both cameras
- * together is not seen, so h_a = -R^T h_b. */
-static void derive(rc_row *row, rigcal_real by, const rigcal_transform *b,
-                   const rigcal_real R[9], const rigcal_real t[3], const rigcal_real m_a[3],
+ * e by m_b and c of e by t, h_b = by (-m_b x g; c). A move of both cameras together is not
+ * seen: camera b then moves by w_b = R w_a and ds_b = R ds_a + t x R w_a. So h_a is -R^T
+ * (h_b's w - t x c; c). */
+static void derive(rc_row *row, rigcal_real by, const rigcal_real R[9],
+                   const rigcal_real t[3], const rigcal_real m_a[3],
                    const rigcal_real m_b[3])
 {
-    rigcal_real q[3], g[3], c[3], moved[3], turned[3];
+    rigcal_real q[3], g[3], c[3], turned[3];
     rc_mat3_mul_vec3(q, R, m_a);
     rc_vec3_cross(g, t, q);
     rc_vec3_cross(c, q, m_b);
     rc_vec3_scale(c, by, c);
-    rc_vec3_cross(moved, c, b->t);
     rc_vec3_cross(turned, g, m_b);
-    rc_vec3_combine(row->h_b, 1, moved, by, turned);
+    rc_vec3_scale(row->h_b, by, turned);
     rc_vec3_copy(&row->h_b[3], c);
-    turn_back(moved, R, row->h_b);
+    rc_vec3_cross(q, t, c);
+    rc_vec3_sub(q, q, row->h_b);
+    turn_back(row->h_a, R, q);
     turn_back(turned, R, c);
-    rc_vec3_scale(row->h_a, -1, moved);
     rc_vec3_scale(&row->h_a[3], -1, turned);
 }
 
@@ -180,22 +181,21 @@ static rigcal_status match_row(rc_row *row, const rc_seen *seen, const rigcal_tr
     row->reach = RC_SQRT(t2);
     correct(m_a, sight_a, back, along_a);
     correct(m_b, sight_b, back, along_b);
-    derive(row, by, b, R, t, m_a, m_b);
+    derive(row, by, R, t, m_a, m_b);
     return RIGCAL_OK;
 }
 
 /* ---- a view of a target ------------------------------------------------------ */
 
-/* (M4) A point is u away from the target's origin and at p = q + t_a in the camera's frame.
- * dp = w_a x q + dt_a - R_ab (w_b x u + dt_b). */
+/* (M4) A point X of the target is at p in the camera's frame: dp = w_a x p + ds_a - R_ab
+ * (w_b x X + ds_b). */
 static rigcal_status view_rows(rc_row rows[2], const rc_seen *seen,
                                const rigcal_transform *a, const rigcal_transform *b)
 {
-    rigcal_real u[3], Y[3], q[3], p[3], uv[2], B[6];
+    rigcal_real u[3], Y[3], p[3], uv[2], B[6];
     rc_vec3_sub(u, seen->X, b->t);
     rc_mat3_tmul_vec3(Y, b->R, u);
-    rc_mat3_mul_vec3(q, a->R, Y);
-    rc_vec3_copy(p, q);
+    rc_mat3_mul_vec3(p, a->R, Y);
     rc_vec3_add(p, a->t);
     const rigcal_status status =
         rc_project_through(uv, B, seen->camera, rc_lens_is_pinhole(seen->camera), p);
@@ -209,11 +209,11 @@ static rigcal_status view_rows(rc_row rows[2], const rc_seen *seen,
         row->r = by * (seen->uv[k] - uv[k]);
         row->reach = rc_vec3_norm(p);
         rc_vec3_scale(&row->h_a[3], by, &B[3 * k]);
-        rc_vec3_cross(row->h_a, q, &row->h_a[3]);
+        rc_vec3_cross(row->h_a, p, &row->h_a[3]);
         rc_mat3_tmul_vec3(in_rig, a->R, &row->h_a[3]);
         rc_mat3_mul_vec3(c, b->R, in_rig);
         rc_vec3_scale(&row->h_b[3], -1, c);
-        rc_vec3_cross(row->h_b, u, &row->h_b[3]);
+        rc_vec3_cross(row->h_b, seen->X, &row->h_b[3]);
         if (!rc_is_finite(row->r) || !rc_all_finite(row->h_b, 6)) {
             return RIGCAL_ERR_NO_RAY;
         }
@@ -229,27 +229,20 @@ rigcal_status rc_rows_of(rc_row rows[], const rc_seen *seen, const rigcal_transf
 
 /* ---- a target gets its place ------------------------------------------------- */
 
-/* With T = camera_from_target the target's pose is T^-1 camera_from_rig: R = R_T^T R_c and
- * t = R_T^T (t_c - t_T). The errors (w, dt) of the camera and (v, ds) of T become R_T^T (w
- * - v) and R_T^T (dt - ds + (t_c - t_T) x v). */
+/* With T = camera_from_target the target's pose is T^-1 camera_from_rig. So the camera's
+ * error is carried by T^-1. The errors v, dt of T become -R_T^T v and -R_T^T dt. */
 void rc_rows_place(rigcal_transform *target_from_rig, rigcal_real by_camera[36],
                    rigcal_real by_view[36], const rigcal_transform *camera_from_rig,
                    const rigcal_transform *camera_from_target)
 {
-    const rigcal_real *const R = camera_from_target->R;
     rigcal_transform target_from_camera;
-    rigcal_real from[3];
     rc_transform_invert(&target_from_camera, camera_from_target);
     rc_transform_compose(target_from_rig, &target_from_camera, camera_from_rig);
-    rc_vec3_sub(from, camera_from_rig->t, camera_from_target->t);
-    rc_clear(by_camera, 36);
+    rc_transform_carry(by_camera, &target_from_camera);
     rc_clear(by_view, 36);
     for (int i = 0; i < 3; i++) {
-        const rigcal_real column[3] = {R[i], R[3 + i], R[6 + i]}; /* row i of R^T */
         for (int j = 0; j < 3; j++) {
-            by_camera[6 * i + j] = by_camera[6 * (i + 3) + j + 3] = column[j];
-            by_view[6 * i + j] = by_view[6 * (i + 3) + j + 3] = -column[j];
+            by_view[6 * i + j] = by_view[6 * (i + 3) + j + 3] = -by_camera[6 * i + j];
         }
-        rc_vec3_cross(&by_view[6 * (i + 3)], column, from);
     }
 }

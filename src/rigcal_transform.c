@@ -95,6 +95,28 @@ RC_APART void rc_transform_move(rigcal_transform *pose, const rigcal_real d[6])
     rc_vec3_add(pose->t, &d[3]);
 }
 
+/* What a step (w, ds) adds to t: ds, and what the turn does to t. */
+static void shift_of(rigcal_real dt[3], const rigcal_real d[6], const rigcal_real t[3])
+{
+    rigcal_real v[3], once[3], twice[3];
+    rc_vec3_scale(v, RC(0.5), d);
+    const rigcal_real scale = 2 / (1 + rc_vec3_dot(v, v));
+    rc_vec3_cross(once, v, t);
+    rc_vec3_cross(twice, v, once);
+    rc_vec3_add(once, twice);
+    rc_vec3_combine(dt, 1, &d[3], scale, once);
+}
+
+void rc_transform_displace(rigcal_transform *pose, rigcal_real dt[3],
+                           const rigcal_real d[6])
+{
+    rigcal_real step[6];
+    shift_of(dt, d, pose->t);
+    rc_vec3_copy(step, d);
+    rc_vec3_copy(&step[3], dt);
+    rc_transform_move(pose, step);
+}
+
 /* (17), (18):  R_ba = R_bw R_aw^T,  t_ba = t_bw - R_ba t_aw */
 void rc_transform_between(rigcal_transform *b_from_a, const rigcal_transform *b_from_world,
                           const rigcal_transform *a_from_world)
@@ -104,6 +126,44 @@ void rc_transform_between(rigcal_transform *b_from_a, const rigcal_transform *b_
     rc_mat3_mul_t(b_from_a->R, b_from_world->R, a_from_world->R);
     rc_mat3_mul_vec3(turned, b_from_a->R, a_from_world->t);
     rc_vec3_sub(b_from_a->t, b_from_world->t, turned);
+}
+
+void rc_transform_carry(rigcal_real out[36], const rigcal_transform *b_from_a)
+{
+    const rigcal_real *const R = b_from_a->R;
+    rc_clear(out, 36);
+    for (int j = 0; j < 3; j++) {
+        const rigcal_real r[3] = {R[j], R[3 + j], R[6 + j]};
+        rigcal_real shift[3];
+        rc_vec3_cross(shift, b_from_a->t, r);
+        for (int i = 0; i < 3; i++) {
+            out[6 * i + j] = out[6 * (i + 3) + j + 3] = r[i];
+            out[6 * (i + 3) + j] = shift[i];
+        }
+    }
+}
+
+/* R is R_b R_c^T: the turns give q_rad (R, R [t_c]^T; [t_b] R, [t_b] R [t_c]^T), the shifts
+ * give q_t R. */
+void rc_transform_carry_equal(rigcal_real M[36], const rigcal_transform *b_from_a,
+                              const rigcal_transform *c_from_a, rigcal_real q_rad,
+                              rigcal_real q_t)
+{
+    rigcal_real R[9];
+    rc_mat3_mul_t(R, b_from_a->R, c_from_a->R);
+    for (int i = 0; i < 3; i++) {
+        rigcal_real *const row = &M[6 * i];
+        rc_vec3_scale(row, q_rad, &R[3 * i]);
+        rc_vec3_cross(&row[3], c_from_a->t, row);
+    }
+    for (int j = 0; j < 6; j++) {
+        const rigcal_real column[3] = {M[j], M[6 + j], M[12 + j]};
+        rigcal_real shift[3];
+        rc_vec3_cross(shift, b_from_a->t, column);
+        for (int i = 0; i < 3; i++) {
+            M[6 * (i + 3) + j] = shift[i] + (j < 3 ? 0 : q_t * R[3 * i + j - 3]);
+        }
+    }
 }
 
 /* ---- the mean of transforms ---------------------------------------------- */

@@ -28,10 +28,22 @@ static const rigcal_real *trial_in(const rigcal_real bodies[], size_t body)
     return &bodies[body * RC_ALARM_BODY];
 }
 
+rigcal_real rc_trial_shift(const rc_filter *f, size_t body, rigcal_real q_rad,
+                           rigcal_real q_t)
+{
+    rigcal_transform body_from_frame;
+    if (body < f->n_cameras) {
+        return q_t;
+    }
+    rc_transform_between(&body_from_frame, &f->poses[body], &f->poses[f->frame]);
+    return q_t + q_rad * rc_vec3_dot(body_from_frame.t, body_from_frame.t);
+}
+
 void rc_trial_begin(const rc_filter *f, const rc_alarm *alarm, rigcal_real bodies[],
                     rigcal_real move_rad, rigcal_real move_t)
 {
     const rigcal_real log_sum = rc_alarm_log_sum(alarm, bodies);
+    const rigcal_real q_rad = move_rad * move_rad, q_t = move_t * move_t;
     rigcal_real most = LIKELIHOOD_LEAST;
     const rigcal_real zero = move_rad - move_rad; /* the compiler must not know that it is
                                                      0: the C library's memset is slow */
@@ -46,25 +58,28 @@ void rc_trial_begin(const rc_filter *f, const rc_alarm *alarm, rigcal_real bodie
         }
         trial[RC_TRIAL_LOG] =
             rc_min(SHARES_EQUAL + rc_log(rc_max(share, LIKELIHOOD_LEAST)), 0);
+        const rigcal_real shift = rc_trial_shift(f, b, q_rad, q_t);
         for (size_t k = 0; k < 3; k++) {
-            trial[RC_TRIAL_UD + rc_packed_at(k, k)] = move_rad * move_rad;
-            trial[RC_TRIAL_UD + rc_packed_at(k + 3, k + 3)] = move_t * move_t;
+            trial[RC_TRIAL_UD + rc_packed_at(k, k)] = q_rad;
+            trial[RC_TRIAL_UD + rc_packed_at(k + 3, k + 3)] = shift;
         }
     }
 }
 
-/* x <- the turn by x followed by the turn by dx, to second order. */
+/* x <- the move by x followed by the move by dx, to second order. */
 static void add_move(rigcal_real x[6], const rigcal_real dx[6])
 {
     rigcal_real both[3];
+    rc_vec3_cross(both, dx, &x[3]);
+    rc_vec3_add(&x[3], both);
+    rc_vec3_add(&x[3], &dx[3]);
     rc_vec3_cross(both, dx, x);
     rc_vec3_add(x, dx);
     rc_vec3_add_scaled(x, RC(0.5), both);
-    rc_vec3_add(&x[3], &dx[3]);
 }
 
-/* Moves a pose by x = (w, dt), as rc_transform_move does. With v = w / 2 and s = 2 / (1 +
- * v^2) the turn is (1 - s v^2) 1 + s v v^T + s [v]x. Multiplying by it takes half the
+/* Moves a pose by x = (w, ds), as rc_transform_displace does. With v = w / 2 and s = 2 / (1
+ * + v^2) the turn is (1 - s v^2) 1 + s v v^T + s [v]x. Multiplying by it takes half the
  * instructions. */
 static void move_by(rigcal_transform *out, const rigcal_transform *pose,
                     const rigcal_real x[6])
@@ -77,13 +92,13 @@ static void move_by(rigcal_transform *out, const rigcal_transform *pose,
         {a * v[1] + d, c + b * v[1], b * v[2] - a},
         {a * v[2] - b, b * v[2] + a, c + d * v[2]},
     };
-    const rigcal_real *const R = pose->R;
+    const rigcal_real *const R = pose->R, *const t = pose->t;
     for (int i = 0; i < 3; i++) {
         const rigcal_real e = turn[i][0], f = turn[i][1], g = turn[i][2];
         out->R[3 * i] = e * R[0] + f * R[3] + g * R[6];
         out->R[3 * i + 1] = e * R[1] + f * R[4] + g * R[7];
         out->R[3 * i + 2] = e * R[2] + f * R[5] + g * R[8];
-        out->t[i] = pose->t[i] + x[3 + i];
+        out->t[i] = e * t[0] + f * t[1] + g * t[2] + x[3 + i];
     }
 }
 
@@ -208,8 +223,7 @@ void rc_trial_result(rigcal_transform *pose, rigcal_real Sigma[36], const rc_fil
                      const rigcal_real bodies[], size_t body)
 {
     const rigcal_real *const trial = trial_in(bodies, body);
-    *pose = f->poses[body];
-    rc_transform_move(pose, &trial[RC_TRIAL_MOVE]);
+    move_by(pose, &f->poses[body], &trial[RC_TRIAL_MOVE]);
     rc_rotation_tidy(pose->R);
     for (size_t k = 0; k < 36; k++) {
         Sigma[k] = rc_filter_element(&trial[RC_TRIAL_UD], 6, k / 6, k % 6);

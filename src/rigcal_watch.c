@@ -150,7 +150,8 @@ rigcal_status rigcal_monitor_dismiss(rigcal_real monitor[])
 static void open_body(rc_monitor *m, size_t body)
 {
     const rc_filter *const f = &m->filter;
-    const rigcal_real move_rad = m->top.head.move_rad, move_t = m->top.head.move_t;
+    const rigcal_real q_rad = m->top.head.move_rad * m->top.head.move_rad;
+    const rigcal_real q_t = m->top.head.move_t * m->top.head.move_t;
     rc_filter_multiply(f->UD, f->n);
     if (m->top.head.is_alarm) {
         rigcal_transform pose;
@@ -159,7 +160,7 @@ static void open_body(rc_monitor *m, size_t body)
         rc_filter_put(f, body, &pose);
         rc_filter_spread_by(f, f->UD, body, Sigma);
     } else {
-        rc_filter_spread(f, f->UD, body, move_rad * move_rad, move_t * move_t);
+        rc_filter_spread(f, f->UD, body, q_rad, rc_trial_shift(f, body, q_rad, q_t));
     }
     rc_filter_factor(f->UD, f->n);
     m->top.head.settling = SETTLING;

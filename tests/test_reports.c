@@ -154,9 +154,15 @@ static void test_the_direction_known_worst_is_the_largest_axis_of_the_ellipsoid(
             v[k] = test_normal(&rng);
             length += v[k] * v[k];
         }
+        /* v . (w, ds / lever) as a product with (w, dt), where ds = dt + t x w */
+        double of[6], turned[3];
+        test_cross(turned, &v[3], t);
+        for (int k = 0; k < 3; k++) {
+            of[k] = v[k] + turned[k] / lever;
+            of[3 + k] = v[3 + k] / lever;
+        }
         for (int k = 0; k < 36; k++) {
-            variance += v[k / 6] * v[k % 6] * D(m.Sigma[k]) / (k / 6 < 3 ? 1 : lever) /
-                        (k % 6 < 3 ? 1 : lever) / length;
+            variance += of[k / 6] * of[k % 6] * D(m.Sigma[k]) / length;
         }
         best = fmax(best, sqrt(variance));
     }
@@ -237,8 +243,9 @@ static void test_questions_that_cannot_be_answered_are_refused(void)
     }
 }
 
-/* Sets the covariance of camera 1 to U diag U^T: in units of 1 rad and of `lever`, it has
- * the variances `diag` along the columns of U, an orthogonal matrix. */
+/* Sets the covariance of camera 1: in units of 1 rad and of `lever`, that of (w, ds) is U
+ * diag U^T, with the variances `diag` along the columns of U, an orthogonal matrix. The rig
+ * has that of (w, dt), dt = ds + w x t. */
 static void set_axes(double U[6][6], test_rng *rng, const double diag[6], double lever)
 {
     for (int k = 0; k < 6; k++) { /* Gram and Schmidt */
@@ -265,15 +272,25 @@ static void set_axes(double U[6][6], test_rng *rng, const double diag[6], double
             U[k][i] /= sqrt(length);
         }
     }
+    double columns[6][6], R[9], t[3];
+    test_transform_parts(R, t, &w.cameras[1].cam_from_rig);
+    for (int k = 0; k < 6; k++) {
+        double turned[3];
+
+        test_cross(turned, U[k], t);
+        for (int i = 0; i < 3; i++) {
+            columns[k][i] = U[k][i];
+            columns[k][3 + i] = lever * U[k][3 + i] + turned[i];
+        }
+    }
     for (int i = 0; i < 6; i++) {
         for (int j = 0; j <= i; j++) {
             double sum = 0;
 
             for (int k = 0; k < 6; k++) {
-                sum += diag[k] * U[k][i] * U[k][j];
+                sum += diag[k] * columns[k][i] * columns[k][j];
             }
-            w.Sigma[i * (i + 1) / 2 + j] =
-                (rigcal_real)(sum * (i < 3 ? 1 : lever) * (j < 3 ? 1 : lever));
+            w.Sigma[i * (i + 1) / 2 + j] = (rigcal_real)sum;
         }
     }
 }

@@ -22,6 +22,7 @@ static body body_of(const rigcal_transform *T)
     return b;
 }
 
+/* Turns a body by w about its own centre, then shifts it by ds: d = (w, ds). */
 static body moved(const body *b, const double d[6])
 {
     const double angle = test_norm(d);
@@ -31,9 +32,21 @@ static body moved(const body *b, const double d[6])
     if (angle > 0) {
         test_rotation_about(turn, d, angle);
         test_product(out.R, turn, b->R);
+        test_apply(out.t, turn, b->t, NULL);
     }
     for (int k = 0; k < 3; k++) {
         out.t[k] += d[3 + k];
+    }
+    return out;
+}
+
+/* Turns R by w, and adds dt to t: d = (w, dt). */
+static body stepped(const body *b, const double d[6])
+{
+    body out = moved(b, d);
+
+    for (int k = 0; k < 3; k++) {
+        out.t[k] = b->t[k] + d[3 + k];
     }
     return out;
 }
@@ -269,10 +282,15 @@ static void test_a_move_of_all_bodies_together_is_not_seen(void)
         for (int c = 0; c < 2; c++) {
             const body b = body_of(&T[c]);
             const rigcal_real *const h = c == 0 ? row.h_a : row.h_b;
-            double d[6];
+            double d[6], turned[3];
 
+            /* The rig turns by w and shifts by ds: p becomes p + R (w x X + ds). */
             test_apply(d, b.R, rig, NULL);
             test_apply(d + 3, b.R, rig + 3, NULL);
+            test_cross(turned, b.t, d);
+            for (int k = 0; k < 3; k++) {
+                d[3 + k] += turned[k];
+            }
             for (int k = 0; k < 6; k++) {
                 sum += D(h[k]) * d[k];
                 largest = fmax(largest, fabs(D(h[k])));
@@ -482,7 +500,7 @@ static void test_the_place_of_a_target_moves_as_its_camera_and_its_view_do(void)
             const body from = body_of(k < 6 ? &camera : &view), at = body_of(&target);
 
             d[k % 6] = step;
-            const body off = moved(&from, d);
+            const body off = k < 6 ? moved(&from, d) : stepped(&from, d);
             const rigcal_transform T = test_transform(off.R, off.t);
             rc_rows_place(&other, ignored, ignored, k < 6 ? &T : &camera,
                           k < 6 ? &view : &T);
@@ -490,9 +508,11 @@ static void test_the_place_of_a_target_moves_as_its_camera_and_its_view_do(void)
             test_transpose(Rt, at.R);
             test_product(turn, to.R, Rt);
             const double w[3] = {turn[7] - turn[5], turn[2] - turn[6], turn[3] - turn[1]};
+            double turned[3];
+            test_apply(turned, turn, at.t, NULL);
             for (int i = 0; i < 3; i++) {
                 e[i] = w[i] / 2;
-                e[3 + i] = to.t[i] - at.t[i];
+                e[3 + i] = to.t[i] - turned[i];
             }
             for (int i = 0; i < 6; i++) {
                 ASSERT_NEAR(e[i] / step, by[6 * i + k % 6], TOL(1e-4, 0.1));

@@ -278,7 +278,8 @@ static void test_a_target_that_stays_tells_which_of_two_cameras_moved(void)
         rigcal_monitor_options o;
         rigcal_monitor_report report;
         const int body = r % 3;
-        const double d[6] = {0.003 * (r % 2 ? 1 : -1), 0.002, 0.002, 0, 0, 0};
+        const double shift = body < 2 ? 0 : r % 2 ? 0.05 : 0.005; /* targets shift more */
+        const double d[6] = {0.003 * (r % 2 ? 1 : -1), 0.002, 0.002, shift, -shift, shift};
 
         (void)rigcal_monitor_defaults(&o);
         o.arl0_frames = RC(1e4);

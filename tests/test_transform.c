@@ -581,6 +581,43 @@ static void test_the_identity_leaves_a_point_where_it_is(void)
     TEST_ASSERT_EQUAL_MEMORY(X, moved, sizeof X);
 }
 
+/* ---- errors ----------------------------------------------------------------- */
+
+/* E is a small turn about the centre of a, and a shift. If b is fixed to a, the same move
+ * in the axes of b is T E T^-1, with T = b_from_a. */
+static void test_an_error_is_carried_to_a_body_that_is_fixed_to_it(void)
+{
+    test_rng rng = test_seed(77);
+
+    for (int trial = 0; trial < TEST_TRIALS(20); trial++) {
+        const rigcal_transform T = test_random_transform(&rng), back = test_inverse(&T);
+        rigcal_real carry[36];
+
+        rc_transform_carry(carry, &T);
+        for (int j = 0; j < 6; j++) {
+            const double step = TOL(1e-5, 1e-2);
+            const double axis[3] = {j == 0, j == 1, j == 2};
+            double d[3] = {0, 0, 0}, R[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1}, w[3], t[3];
+
+            if (j < 3) {
+                test_rotation_about(R, axis, step);
+            } else {
+                d[j - 3] = step;
+            }
+            const rigcal_transform E = test_transform(R, d), TE = test_times(&T, &E),
+                                   moved = test_times(&TE, &back);
+            test_transform_parts(R, t, &moved);
+            w[0] = (R[7] - R[5]) / 2;
+            w[1] = (R[2] - R[6]) / 2;
+            w[2] = (R[3] - R[1]) / 2;
+            for (int i = 0; i < 6; i++) {
+                ASSERT_NEAR((i < 3 ? w[i] : t[i - 3]) / step, carry[6 * i + j],
+                            TOL(1e-4, 0.1));
+            }
+        }
+    }
+}
+
 TEST_MAIN()
 {
     RUN_TEST(test_the_identity_leaves_a_point_where_it_is);
@@ -609,4 +646,5 @@ TEST_MAIN()
     RUN_TEST(test_the_steps_to_a_mean_are_bounded);
     RUN_TEST(test_rotations_that_cancel_have_no_mean);
     RUN_TEST(test_arguments_of_the_mean_are_checked);
+    RUN_TEST(test_an_error_is_carried_to_a_body_that_is_fixed_to_it);
 }

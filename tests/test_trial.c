@@ -85,16 +85,17 @@ static int take(test_rng *rng, double noise_px)
     return rc_trial_take(&f, bodies, &seen, RC(0.1));
 }
 
-/* Moves the body: turns it about `axis` by `angle`, and shifts it by 2e-3 along y. `moved`
- * and t are its pose then. */
+/* Moves the body: turns it about its own centre by `angle` and the direction `axis`, and
+ * shifts it by 2e-3 along y. `moved` and t are its pose then. */
 static void move(double moved[9], double t[3], size_t body, const double axis[3],
                  double angle)
 {
-    double turn[9], R[9];
+    double turn[9], R[9], before[3];
 
     test_rotation_about(turn, axis, angle);
-    test_transform_parts(R, t, &truth[body]);
+    test_transform_parts(R, before, &truth[body]);
     test_product(moved, turn, R);
+    test_apply(t, turn, before, NULL);
     t[1] += 2e-3;
     truth[body] = test_transform(moved, t);
 }
@@ -123,13 +124,16 @@ static void test_the_body_that_moved_is_named_and_found(void)
         assert_untouched();
         TEST_ASSERT_TRUE(rc_trial_share(&f, bodies, body) > RC(0.999));
         rc_trial_result(&pose, Sigma, &f, bodies, body);
-        double seen_R[9], seen_t[3];
+        double seen_R[9], seen_t[3], Rt[9], rest[9], turned[3];
         test_transform_parts(seen_R, seen_t, &pose);
+        test_transpose(Rt, seen_R);
+        test_product(rest, moved, Rt);
+        test_apply(turned, rest, seen_t, NULL);
         ASSERT_NEAR(0, test_angle_between(moved, seen_R),
                     4 * sqrt(D(Sigma[0]) + D(Sigma[7]) + D(Sigma[14])));
         for (int k = 0; k < 3; k++) {
             TEST_ASSERT_TRUE(D(Sigma[7 * k]) > 0 && D(Sigma[7 * k]) < 1e-6);
-            ASSERT_NEAR(t[k], seen_t[k], 5 * sqrt(D(Sigma[21 + 7 * k])));
+            ASSERT_NEAR(t[k], turned[k], 5 * sqrt(D(Sigma[21 + 7 * k])));
         }
     }
 }
@@ -164,12 +168,13 @@ static void test_an_error_that_is_known_is_no_move(void)
 
     for (int body = 1; body < BODIES; body++) {
         test_rng rng = test_seed(30 + (uint64_t)body);
-        double turn[9], R[9], t[3], moved[9];
+        double turn[9], R[9], t[3], moved[9], before[3];
 
         begin();
         test_rotation_about(turn, W, test_norm(W));
-        test_transform_parts(R, t, &truth[body]);
+        test_transform_parts(R, before, &truth[body]);
         test_product(moved, turn, R);
+        test_apply(t, turn, before, NULL);
         for (int k = 0; k < 3; k++) {
             error[6 * (body - 1) + k] = RC(W[k]);
             error[6 * (body - 1) + 3 + k] = RC(1e-4 * (k + 1));
@@ -232,9 +237,13 @@ static void test_a_trial_begins_with_the_share_of_the_evidence(void)
                     b < BODIES ? RC(LOGS[(b + first) % BODIES]) : RC(30);
             }
         }
+        f.n_cameras = BODIES - 1; /* the last body is a target */
         rc_trial_begin(&f, &alarm, dirty, RC(0.25), RC(0.5));
+        double R[9], t[3];
+        test_transform_parts(R, t, &poses[BODIES - 1]); /* the frame is at 0 */
         for (int b = 0; b < BODIES; b++) {
             const rigcal_real *const trial = &dirty[b * RC_ALARM_BODY];
+            const double shift = b < BODIES - 1 ? 0.25 : 0.25 + 0.0625 * test_dot(t, t);
             const double log = LOGS[(b + first) % BODIES];
             rigcal_transform pose;
             rigcal_real Sigma[36];
@@ -242,9 +251,10 @@ static void test_a_trial_begins_with_the_share_of_the_evidence(void)
             rc_trial_result(&pose, Sigma, &f, dirty, (size_t)b);
             ASSERT_TRANSFORM(&poses[b], &pose, TOL(1e-15, 1e-6), TOL(1e-15, 1e-6));
             for (int k = 0; k < 36; k++) {
-                const double variance = k < 18 ? 0.0625 : 0.25;
+                const double variance = k < 18 ? 0.0625 : shift;
 
-                ASSERT_NEAR(k % 7 == 0 ? variance : 0, Sigma[k], 0);
+                ASSERT_NEAR(k % 7 == 0 ? variance : 0, Sigma[k],
+                            b < BODIES - 1 ? 0 : TOL(1e-15, 1e-7));
             }
             ASSERT_NEAR(fmin(fmax(log, LOG_LEAST) + 2, 0), trial[RC_TRIAL_LOG],
                         TOL(1e-5, 1e-4));
@@ -300,14 +310,15 @@ static double known(double *variance, const rc_seen *seen, const rc_row *row)
 static void learn(plain *trial, const rc_seen *seen, int is_b, double sd, double log_held)
 {
     const size_t body = is_b ? seen->b : seen->a;
-    rigcal_transform moved = poses[body];
-    rigcal_real x[6];
+    const rigcal_real w[6] = {RC(trial->x[0]), RC(trial->x[1]), RC(trial->x[2]), 0, 0, 0};
+    rigcal_transform turn = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
     rc_row row;
     rc_doubt doubt;
-    double h[6], Ph[6] = {0}, hPh = 0, variance, both[3];
+    double h[6], Ph[6] = {0}, hPh = 0, variance, both[3], with_shift[3];
 
-    test_to_real(x, trial->x, 6);
-    rc_transform_move(&moved, x);
+    rc_transform_move(&turn, w);
+    test_to_real(turn.t, &trial->x[3], 3);
+    const rigcal_transform moved = test_times(&turn, &poses[body]);
     ASSERT_STATUS(RIGCAL_OK, rc_rows_of(&row, seen, is_b ? &poses[seen->a] : &moved,
                                         is_b ? &moved : &poses[seen->b]));
     const double nu = (D(row.r) - known(&variance, seen, &row)) / sd;
@@ -327,8 +338,9 @@ static void learn(plain *trial, const rc_seen *seen, int is_b, double sd, double
     }
     const double by = D(doubt.beta) * nu / S;
     test_cross(both, Ph, trial->x);
+    test_cross(with_shift, Ph, &trial->x[3]);
     for (int i = 0; i < 6; i++) {
-        trial->x[i] += by * Ph[i] + (i < 3 ? by / 2 * both[i] : 0);
+        trial->x[i] += by * Ph[i] + (i < 3 ? by / 2 * both[i] : by * with_shift[i - 3]);
     }
     trial->log += (log(D(doubt.likelihood)) - log_held) / 2;
 }

@@ -3067,6 +3067,7 @@ static void watched_numbers(void)
     line("monitor.wrong", "%.4g", (double)o.wrong);
     line("monitor.move", "%.4g", (double)o.move_rad);
     watched.options.wrong = 0;
+    watched.Sigma[0] = watched.Sigma[2] = watched.Sigma[5] = 0; /* no turn, so no lever */
     watched.Sigma[13] = RC(0.0003) * watched.Sigma[9];
     (void)watched_begin();
     (void)rigcal_monitor_moved(watched.monitor, 2);

@@ -19,12 +19,24 @@ static void turn_by(double R[9], const double w[3])
     }
 }
 
-static void move(watched_pose *pose, const double d[6])
+/* d = (w, dt): t becomes t + dt. */
+static void step(watched_pose *pose, const double d[6])
 {
     turn_by(pose->R, d);
     for (int k = 0; k < 3; k++) {
         pose->t[k] += d[3 + k];
     }
+}
+
+/* d = (w, ds): a turn about the body's own centre, then a shift. */
+static void move(watched_pose *pose, const double d[6])
+{
+    double Rt[9], centre[3];
+
+    test_transpose(Rt, pose->R);
+    test_apply(centre, Rt, pose->t, NULL);
+    turn_by(pose->R, d);
+    test_apply(pose->t, pose->R, centre, &d[3]);
 }
 
 /* R <- 1.5 R - 0.5 R R^T R, so that rounding does not add up. */
@@ -134,7 +146,7 @@ void test_watched_make(test_watched *w, test_rng *rng, int n_cameras, int is_par
             d[k] = (k < 3 ? sd_rad : sd_t) * test_normal(rng);
         }
         if (c > 0) {
-            move(&w->truth[c], d);
+            step(&w->truth[c], d);
         }
     }
     for (int i = 0; i < n; i++) {

@@ -38,8 +38,8 @@ typedef struct {
     int by_rays;     /* whether they are given by rays */
 } watched_matches;
 
-/* Cameras that are known to sd_rad and sd_t each: two side by side, 0.12 apart, or more on
- * an arc. Their covariance is diagonal. The monitor is not begun. */
+/* Cameras whose (w, dt) is known to sd_rad and sd_t: two side by side, 0.12 apart, or more
+ * on an arc. Their covariance is diagonal. The monitor is not begun. */
 void test_watched_make(test_watched *w, test_rng *rng, int n_cameras, int is_parallel,
                        double sd_rad, double sd_t);
 
@@ -47,7 +47,8 @@ void test_watched_make(test_watched *w, test_rng *rng, int n_cameras, int is_par
 void test_watched_begin(test_watched *w, int n_targets,
                         const rigcal_monitor_options *options);
 
-/* Moves the truth: a body by d = (w, dt), or every camera at random. */
+/* Moves the truth: a body by d = (w, ds), or every camera at random. Each turns by w about
+ * its own centre, and shifts by ds. */
 void test_watched_bump(test_watched *w, int body, const double d[6]);
 void test_watched_walk(test_watched *w, test_rng *rng, double sd_rad, double sd_t);
 

@@ -57,7 +57,8 @@ class MonitorReport:
 class BodyReport:
     """What is to be said of one body: struct rigcal_body_report.
 
-    weakest (6,): direction (w, dt) that is known worst; weakest_sigma [rad] of it
+    weakest (6,): direction that is known worst, a turn w about the own centre, then a shift
+    ds; weakest_sigma [rad] of it
     """
 
     is_blind: bool

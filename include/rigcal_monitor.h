@@ -84,8 +84,8 @@ typedef struct rigcal_monitor_options {
     rigcal_real walk_t;      /* the same of its centre, in lengths, 0 or more. Default 0 */
     rigcal_real move_rad;    /* the largest turn that is expected, in rad, > 0 .. 0.5.
                                 Default 3 degrees */
-    rigcal_real move_t;      /* the largest shift of a centre, > 0. 0: default, a tenth of the
-                                mean distance of the cameras times move_rad */
+    rigcal_real move_t;      /* the largest shift of a centre, > 0. 0: default, a tenth of
+                                the mean distance of the cameras times move_rad */
 } rigcal_monitor_options;
 
 /* Writes all defaults. move_t is 0, because its default depends on the rig. OK,

@@ -151,8 +151,8 @@ static void end_way(rigcal_spans_solver *s)
 }
 
 /* Adds the curve through the nodes to the outline, and counts its turns around the axis:
- * how often it passes the half line from the axis along u. The outline runs from side 0 to
- * side 1 at far, and back at near; a curve that runs the other way counts the other way. */
+ * how often it crosses the half line from the axis along u. The outline goes from side 0 to
+ * side 1 at near, and back at far. A curve that goes the other way counts the other way. */
 static void add_curve(rigcal_spans_solver *s)
 {
     const rigcal_camera *const c = &s->edge.band.camera_b;
@@ -164,73 +164,6 @@ static void add_curve(rigcal_spans_solver *s)
     }
     rc_outline_add(&s->outline, s->u, s->v);
 }
-
-/* The largest fourth difference of the nodes. */
-static rigcal_real bend_of(const rigcal_real x[NODES])
-{
-    return RC_FABS((x[0] + x[4]) - 4 * (x[1] + x[3]) + 6 * x[2]);
-}
-
-/* Sets the stride of the next arc. It is longer after an arc of small fourth
- * differences. */
-static void set_stride(rigcal_spans_solver *s, rigcal_real bend)
-{
-    const rigcal_real chord[3] = {s->u[LAST] - s->u[LAST - 1], s->v[LAST] - s->v[LAST - 1],
-                                  0};
-    if (s->is_closing) {
-        return;
-    }
-    if (bend * BEND_SPARE < BEND_MAX) {
-        s->length *= 2;
-    }
-    s->stride *= s->length / rc_max(LAST * rc_vec3_norm(chord), ARC_LEAST * s->length);
-}
-
-/* After all five nodes: takes the arc, or begins it again at half the length. Returns 0 if
- * the border ends with this arc, at the end of the depth range or outside the image. */
-static int finish_arc(rigcal_spans_solver *s)
-{
-    const rigcal_real bend = rc_max(bend_of(s->u), bend_of(s->v));
-    rigcal_real p[3] = {0, 0, 0}, unit[3] = {1, 0, 0};
-    if (bend > BEND_MAX && s->length > ARC_LEAST * s->radius &&
-        s->n_arcs < ARCS_OF_BORDER) {
-        s->length /= 2;
-        s->stride /= 2;
-        return 1;
-    }
-    add_curve(s);
-    s->n_arcs++;
-    const int leaves = is_leaving(s, LAST - 1);
-    place_of_node(p, s, 1);
-    (void)rc_vec3_unit(unit, p);
-    s->at[0] = unit[0];
-    s->at[1] = unit[1];
-    set_stride(s, bend);
-    s->u[0] = s->u[LAST];
-    s->v[0] = s->v[LAST];
-    return !s->is_last && s->n_arcs < 2 * ARCS_OF_BORDER && !leaves;
-}
-
-/* Adds one node of the current arc. If the lens does not see it, the arc begins again at
- * half the length, down to CLOSED_PX. Returns 0 if the border ends. */
-static int add_node(rigcal_spans_solver *s)
-{
-    rigcal_real p[2], uv[2], J[6];
-    place_of_node(p, s, (rigcal_real)s->node / LAST);
-    if (rc_edge_find(uv, J, &s->edge, p) != RIGCAL_OK) {
-        s->length /= 2;
-        s->stride /= 2;
-        s->is_closing = 1;
-        (void)aim(s);
-        return s->length > CLOSED_PX;
-    }
-    s->u[s->node] = uv[0];
-    s->v[s->node] = uv[1];
-    s->node++;
-    return s->node < NODES || (finish_arc(s) && aim(s));
-}
-
-/* ---- the ends ------------------------------------------------------------ */
 
 /* Adds a straight line. */
 static void add_line(rigcal_spans_solver *s, const rigcal_real from[2],
@@ -271,12 +204,14 @@ static void place_on_circle(rigcal_real uv[2], const rigcal_spans_solver *s,
 /* Adds four chords of the wide circle. What was outside the outline is then inside. */
 static void turn_inside_out(rigcal_spans_solver *s)
 {
-    static const rigcal_real D[5][2] = {{1, 0}, {0, 1}, {-1, 0}, {0, -1}, {1, 0}};
-    rigcal_real from[2], to[2];
+    rigcal_real d[2] = {1, 0}, from[2], to[2];
     for (int i = 0; i < 4; i++) {
-        place_on_circle(from, s, D[i]);
-        place_on_circle(to, s, D[i + 1]);
+        place_on_circle(from, s, d);
+        const rigcal_real next[2] = {-d[1], d[0]};
+        place_on_circle(to, s, next);
         add_line(s, from, to);
+        d[0] = next[0];
+        d[1] = next[1];
     }
 }
 
@@ -308,6 +243,88 @@ static void go_round(rigcal_spans_solver *s, const rigcal_real from[2],
     }
     add_line(s, at, to);
 }
+
+/* The largest fourth difference of the nodes. */
+static rigcal_real bend_of(const rigcal_real x[NODES])
+{
+    return RC_FABS((x[0] + x[4]) - 4 * (x[1] + x[3]) + 6 * x[2]);
+}
+
+/* Sets the stride of the next arc. It is longer after an arc of small fourth
+ * differences. */
+static void set_stride(rigcal_spans_solver *s, rigcal_real bend)
+{
+    const rigcal_real chord[3] = {s->u[LAST] - s->u[LAST - 1], s->v[LAST] - s->v[LAST - 1],
+                                  0};
+    if (s->is_closing) {
+        return;
+    }
+    if (bend * BEND_SPARE < BEND_MAX) {
+        s->length *= 2;
+    }
+    s->stride *= s->length / rc_max(LAST * rc_vec3_norm(chord), ARC_LEAST * s->length);
+}
+
+/* Takes the arc through the nodes. From behind the camera a border may leap over the end of
+ * the lens, to the other side of the image. */
+static void add_arc(rigcal_spans_solver *s)
+{
+    const rigcal_real from[2] = {s->u[0], s->v[0]}, to[2] = {s->u[LAST], s->v[LAST]};
+    rigcal_real a[2], b[2];
+    const rigcal_real a2 = normalise(a, s, from[0], from[1]);
+    const rigcal_real b2 = normalise(b, s, to[0], to[1]);
+    if (rc_min(a2, b2) > s->radius2 && cuts_circle(s, a, a2, b, b2)) {
+        go_round(s, from, to);
+    } else {
+        add_curve(s);
+    }
+    s->u[0] = to[0];
+    s->v[0] = to[1];
+    s->n_arcs++;
+}
+
+/* After all five nodes: takes the arc, or begins it again at half the length. Returns 0 if
+ * the border ends with this arc, at the end of the depth range or outside the image. */
+static int finish_arc(rigcal_spans_solver *s)
+{
+    const rigcal_real bend = rc_max(bend_of(s->u), bend_of(s->v));
+    rigcal_real p[3] = {0, 0, 0}, unit[3] = {1, 0, 0};
+    if (bend > BEND_MAX && s->length > ARC_LEAST * s->radius &&
+        s->n_arcs < ARCS_OF_BORDER) {
+        s->length /= 2;
+        s->stride /= 2;
+        return 1;
+    }
+    const int leaves = is_leaving(s, LAST - 1);
+    place_of_node(p, s, 1);
+    (void)rc_vec3_unit(unit, p);
+    s->at[0] = unit[0];
+    s->at[1] = unit[1];
+    set_stride(s, bend);
+    add_arc(s);
+    return !s->is_last && s->n_arcs < 2 * ARCS_OF_BORDER && !leaves;
+}
+
+/* Adds one node of the current arc. If the lens does not see it, the arc begins again at
+ * half the length, down to CLOSED_PX. Returns 0 if the border ends. */
+static int add_node(rigcal_spans_solver *s)
+{
+    rigcal_real p[2], uv[2], J[6];
+    place_of_node(p, s, (rigcal_real)s->node / LAST);
+    if (rc_edge_find(uv, J, &s->edge, p) != RIGCAL_OK) {
+        s->length /= 2;
+        s->stride /= 2;
+        s->is_closing = 1;
+        (void)aim(s);
+        return s->length > CLOSED_PX;
+    }
+    s->u[s->node] = uv[0];
+    s->v[s->node] = uv[1];
+    s->node++;
+    return s->node < NODES || (finish_arc(s) && aim(s));
+}
+
+/* ---- the ends ------------------------------------------------------------ */
 
 /* Finds the nodes of a part of an end of the depth range: from the height `from` on, over
  * `rise`. The first node stays. Returns 0 if the lens does not see one of them. */
@@ -387,9 +404,9 @@ static void close_way(rigcal_spans_solver *s, int way)
     go_round(s, stop, back);
 }
 
-/* A band has its outline on one side of it, also on the way around the axis. An outline
- * that turns the other way, around a place behind the camera, has the image in place of the
- * band. */
+/* The outline turns around the axis once if the band holds the axis, else not at all. It
+ * turns the other way if the band passes straight behind the camera. Then the joins went
+ * round on the wrong side, and the outline is inside out. */
 static void finish(rigcal_spans_solver *s, int is_seen)
 {
     if (is_seen) {

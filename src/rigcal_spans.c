@@ -205,7 +205,7 @@ static void place_on_circle(rigcal_real uv[2], const rigcal_spans_solver *s,
 static void turn_inside_out(rigcal_spans_solver *s)
 {
     rigcal_real d[2] = {1, 0}, from[2], to[2];
-    for (int i = 0; i < 4; i++) {
+    for (int side = 0; side < 4; side++) {
         place_on_circle(from, s, d);
         const rigcal_real next[2] = {-d[1], d[0]};
         place_on_circle(to, s, next);

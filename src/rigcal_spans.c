@@ -265,15 +265,25 @@ static void set_stride(rigcal_spans_solver *s, rigcal_real bend)
     s->stride *= s->length / rc_max(LAST * rc_vec3_norm(chord), ARC_LEAST * s->length);
 }
 
-/* Takes the arc through the nodes. From behind the camera a border may leap over the end of
- * the lens, to the other side of the image. */
-static void add_arc(rigcal_spans_solver *s)
+/* Whether the last node is nearer to the first one than the second one is. */
+static int turns_back(const rigcal_spans_solver *s)
+{
+    const rigcal_real next[2] = {s->u[1] - s->u[0], s->v[1] - s->v[0]};
+    const rigcal_real last[2] = {s->u[LAST] - s->u[0], s->v[LAST] - s->v[0]};
+    return dot2(last, last) < dot2(next, next);
+}
+
+/* Takes the arc through the nodes. Behind the camera a border may leap over the end of the
+ * lens, to the other side of the image. Beside that end the nodes may leap to and fro: their
+ * ends are joined. */
+static void add_arc(rigcal_spans_solver *s, rigcal_real bend)
 {
     const rigcal_real from[2] = {s->u[0], s->v[0]}, to[2] = {s->u[LAST], s->v[LAST]};
     rigcal_real a[2], b[2];
     const rigcal_real a2 = normalise(a, s, from[0], from[1]);
     const rigcal_real b2 = normalise(b, s, to[0], to[1]);
-    if (rc_min(a2, b2) > s->radius2 && cuts_circle(s, a, a2, b, b2)) {
+    if ((rc_min(a2, b2) > s->radius2 && cuts_circle(s, a, a2, b, b2)) ||
+        (bend > BEND_MAX && turns_back(s))) {
         go_round(s, from, to);
     } else {
         add_curve(s);
@@ -301,7 +311,7 @@ static int finish_arc(rigcal_spans_solver *s)
     s->at[0] = unit[0];
     s->at[1] = unit[1];
     set_stride(s, bend);
-    add_arc(s);
+    add_arc(s, bend);
     return !s->is_last && s->n_arcs < 2 * ARCS_OF_BORDER && !leaves;
 }
 

@@ -273,24 +273,19 @@ static int turns_back(const rigcal_spans_solver *s)
     return dot2(last, last) < dot2(next, next);
 }
 
-/* Takes the arc through the nodes. Behind the camera a border may leap over the end of the
- * lens, to the other side of the image. Beside that end the nodes may leap to and fro: their
- * ends are joined. */
+/* Takes the arc through the nodes. No polynomial fits nodes that leap over the end of the
+ * lens, or to and fro beside it, or far away from the image: only their ends are joined. */
 static void add_arc(rigcal_spans_solver *s, rigcal_real bend)
 {
     const rigcal_real from[2] = {s->u[0], s->v[0]}, to[2] = {s->u[LAST], s->v[LAST]};
-    rigcal_real a[2], b[2];
-    const rigcal_real a2 = normalise(a, s, from[0], from[1]);
-    const rigcal_real b2 = normalise(b, s, to[0], to[1]);
-    if ((rc_min(a2, b2) > s->radius2 && cuts_circle(s, a, a2, b, b2)) ||
-        (bend > BEND_MAX && turns_back(s))) {
+    rigcal_real x[2];
+    const rigcal_real least2 =
+        rc_min(normalise(x, s, from[0], from[1]), normalise(x, s, to[0], to[1]));
+    if (bend > BEND_MAX && (least2 > s->radius2 || turns_back(s))) {
         go_round(s, from, to);
     } else {
         add_curve(s);
     }
-    s->u[0] = to[0];
-    s->v[0] = to[1];
-    s->n_arcs++;
 }
 
 /* After all five nodes: takes the arc, or begins it again at half the length. Returns 0 if
@@ -312,6 +307,9 @@ static int finish_arc(rigcal_spans_solver *s)
     s->at[1] = unit[1];
     set_stride(s, bend);
     add_arc(s, bend);
+    s->u[0] = s->u[LAST];
+    s->v[0] = s->v[LAST];
+    s->n_arcs++;
     return !s->is_last && s->n_arcs < 2 * ARCS_OF_BORDER && !leaves;
 }
 
@@ -368,8 +366,8 @@ static int cross_band(rigcal_real stop[2], rigcal_spans_solver *s)
         s->u[0] = stop[0];
         s->v[0] = stop[1];
         const int is_seen = place_nodes(s, from->height + at * rise, part * rise);
-        const int is_bent = is_seen && rc_max(bend_of(s->u), bend_of(s->v)) > BEND_MAX;
-        if ((!is_seen || is_bent) && part > PART_LEAST) {
+        const rigcal_real bend = rc_max(bend_of(s->u), bend_of(s->v));
+        if ((!is_seen || bend > BEND_MAX) && part > PART_LEAST) {
             part /= 2;
             continue;
         }
@@ -383,8 +381,8 @@ static int cross_band(rigcal_real stop[2], rigcal_spans_solver *s)
         }
         stop[0] = s->u[LAST];
         stop[1] = s->v[LAST];
-        add_curve(s);
         leaves = !to->is_of_range && is_leaving(s, 0);
+        add_arc(s, bend);
     }
     return to->is_of_range;
 }

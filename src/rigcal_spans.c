@@ -275,13 +275,13 @@ static int turns_back(const rigcal_spans_solver *s)
 
 /* Takes the arc through the nodes. No polynomial fits nodes that leap over the end of the
  * lens, or to and fro beside it, or far away from the image: only their ends are joined. */
-static void add_arc(rigcal_spans_solver *s, rigcal_real bend)
+static void add_arc(rigcal_spans_solver *s, int is_bent)
 {
     const rigcal_real from[2] = {s->u[0], s->v[0]}, to[2] = {s->u[LAST], s->v[LAST]};
     rigcal_real x[2];
     const rigcal_real least2 =
         rc_min(normalise(x, s, from[0], from[1]), normalise(x, s, to[0], to[1]));
-    if (bend > BEND_MAX && (least2 > s->radius2 || turns_back(s))) {
+    if (is_bent && (least2 > s->radius2 || turns_back(s))) {
         go_round(s, from, to);
     } else {
         add_curve(s);
@@ -306,7 +306,7 @@ static int finish_arc(rigcal_spans_solver *s)
     s->at[0] = unit[0];
     s->at[1] = unit[1];
     set_stride(s, bend);
-    add_arc(s, bend);
+    add_arc(s, bend > BEND_MAX);
     s->u[0] = s->u[LAST];
     s->v[0] = s->v[LAST];
     s->n_arcs++;
@@ -366,8 +366,8 @@ static int cross_band(rigcal_real stop[2], rigcal_spans_solver *s)
         s->u[0] = stop[0];
         s->v[0] = stop[1];
         const int is_seen = place_nodes(s, from->height + at * rise, part * rise);
-        const rigcal_real bend = rc_max(bend_of(s->u), bend_of(s->v));
-        if ((!is_seen || bend > BEND_MAX) && part > PART_LEAST) {
+        const int is_bent = is_seen && rc_max(bend_of(s->u), bend_of(s->v)) > BEND_MAX;
+        if ((!is_seen || is_bent) && part > PART_LEAST) {
             part /= 2;
             continue;
         }
@@ -382,7 +382,7 @@ static int cross_band(rigcal_real stop[2], rigcal_spans_solver *s)
         stop[0] = s->u[LAST];
         stop[1] = s->v[LAST];
         leaves = !to->is_of_range && is_leaving(s, 0);
-        add_arc(s, bend);
+        add_arc(s, is_bent);
     }
     return to->is_of_range;
 }

@@ -337,7 +337,7 @@ typedef struct rigcal_border_end {
 
 struct rigcal_spans_solver {
     rigcal_edge edge;
-    int32_t side, way, node, n_arcs;            /* place on the border under way */
+    int32_t side, way, node, n_arcs, turns;     /* place on a border; of the outline */
     int32_t phase, status, is_last, is_closing; /* last arc in range; near the lens's end */
     rigcal_real ends[2][2], start[2], at[2];    /* at: of the first node of the arc */
     rigcal_real radius2, radius, stride, length; /* image: 1, px; an arc: tangent, px */

@@ -150,6 +150,100 @@ static void end_way(rigcal_spans_solver *s)
     s->way++;
 }
 
+/* Adds the curve through the nodes to the outline, and counts its turns around the axis:
+ * how often it crosses the half line from the axis along u. The outline goes from side 0 to
+ * side 1 at near, and back at far. A curve that goes the other way counts the other way. */
+static void add_curve(rigcal_spans_solver *s)
+{
+    const rigcal_camera *const c = &s->edge.band.camera_b;
+    const rigcal_real a[2] = {s->u[0] - c->cx, s->v[0] - c->cy};
+    const rigcal_real b[2] = {s->u[LAST] - c->cx, s->v[LAST] - c->cy};
+    const int rises = a[1] < 0;
+    if ((b[1] < 0) != rises && (cross2(a, b) > 0) == rises) {
+        s->turns += (rises == (s->side == s->way)) ? -1 : 1;
+    }
+    rc_outline_add(&s->outline, s->u, s->v);
+}
+
+/* Adds a straight line. */
+static void add_line(rigcal_spans_solver *s, const rigcal_real from[2],
+                     const rigcal_real to[2])
+{
+    for (int i = 0; i < LAST; i++) {
+        const rigcal_real part = (rigcal_real)i / LAST;
+        s->u[i] = from[0] + part * (to[0] - from[0]);
+        s->v[i] = from[1] + part * (to[1] - from[1]);
+    }
+    s->u[LAST] = to[0];
+    s->v[LAST] = to[1];
+    add_curve(s);
+}
+
+/* Whether the straight line between two places of the normalised image comes nearer to the
+ * axis than both of them and the circle around the image. a2 and b2 are their squared
+ * distances from the axis. */
+static int cuts_circle(const rigcal_spans_solver *s, const rigcal_real a[2], rigcal_real a2,
+                       const rigcal_real b[2], rigcal_real b2)
+{
+    const rigcal_real ab[2] = {b[0] - a[0], b[1] - a[1]}, area = cross2(a, b);
+    const rigcal_real length2 = dot2(ab, ab), ahead = -dot2(a, ab);
+    return ahead > 0 && ahead < length2 &&
+           area * area < CUT * rc_min(s->radius2, rc_min(a2, b2)) * length2;
+}
+
+/* The place of a wide circle around the image, in this direction from the axis. */
+static void place_on_circle(rigcal_real uv[2], const rigcal_spans_solver *s,
+                            const rigcal_real d[2])
+{
+    const rigcal_camera *const c = &s->edge.band.camera_b;
+    const rigcal_real radius = WIDE * RC_SQRT(s->radius2);
+    uv[0] = c->cx + radius * d[0] * c->fx;
+    uv[1] = c->cy + radius * d[1] * c->fy;
+}
+
+/* Adds four chords of the wide circle. What was outside the outline is then inside. */
+static void turn_inside_out(rigcal_spans_solver *s)
+{
+    rigcal_real d[2] = {1, 0}, from[2], to[2];
+    for (int side = 0; side < 4; side++) {
+        place_on_circle(from, s, d);
+        const rigcal_real next[2] = {-d[1], d[0]};
+        place_on_circle(to, s, next);
+        add_line(s, from, to);
+        d[0] = next[0];
+        d[1] = next[1];
+    }
+}
+
+/* Joins two ends that are outside the image or where the lens ends. A straight line between
+ * them may cut the image if the band is wide. Then the join goes out from the axis, around
+ * it on a wide circle by the shorter way, and in again. */
+static void go_round(rigcal_spans_solver *s, const rigcal_real from[2],
+                     const rigcal_real to[2])
+{
+    rigcal_real a[3] = {0, 0, 0}, b[3] = {0, 0, 0}, at[2] = {from[0], from[1]};
+    const rigcal_real a2 = normalise(a, s, from[0], from[1]);
+    const rigcal_real b2 = normalise(b, s, to[0], to[1]);
+    if (!cuts_circle(s, a, a2, b, b2)) {
+        add_line(s, from, to);
+        return;
+    }
+    (void)rc_vec3_unit(a, a); /* the line passes the axis between them: neither is on it */
+    (void)rc_vec3_unit(b, b);
+    const rigcal_real way = (cross2(a, b) < 0) ? RC(-1) : RC(1);
+    const rigcal_real aside[3] = {way * (b[1] - a[1]), way * (a[0] - b[0]), 0};
+    rigcal_real between[3] = {b[0], b[1], 0};
+    (void)rc_vec3_unit(between, aside);
+    for (int i = 0; i < 3; i++) {
+        rigcal_real next[2];
+        place_on_circle(next, s, (i == 0) ? a : (i == 1) ? between : b);
+        add_line(s, at, next);
+        at[0] = next[0];
+        at[1] = next[1];
+    }
+    add_line(s, at, to);
+}
+
 /* The largest fourth difference of the nodes. */
 static rigcal_real bend_of(const rigcal_real x[NODES])
 {
@@ -171,6 +265,29 @@ static void set_stride(rigcal_spans_solver *s, rigcal_real bend)
     s->stride *= s->length / rc_max(LAST * rc_vec3_norm(chord), ARC_LEAST * s->length);
 }
 
+/* Whether the last node is nearer to the first one than the second one is. */
+static int turns_back(const rigcal_spans_solver *s)
+{
+    const rigcal_real next[2] = {s->u[1] - s->u[0], s->v[1] - s->v[0]};
+    const rigcal_real last[2] = {s->u[LAST] - s->u[0], s->v[LAST] - s->v[0]};
+    return dot2(last, last) < dot2(next, next);
+}
+
+/* Takes the arc through the nodes. No polynomial fits nodes that leap over the end of the
+ * lens, or to and fro beside it, or far away from the image: only their ends are joined. */
+static void add_arc(rigcal_spans_solver *s, int is_bent)
+{
+    const rigcal_real from[2] = {s->u[0], s->v[0]}, to[2] = {s->u[LAST], s->v[LAST]};
+    rigcal_real x[2];
+    const rigcal_real least2 =
+        rc_min(normalise(x, s, from[0], from[1]), normalise(x, s, to[0], to[1]));
+    if (is_bent && (least2 > s->radius2 || turns_back(s))) {
+        go_round(s, from, to);
+    } else {
+        add_curve(s);
+    }
+}
+
 /* After all five nodes: takes the arc, or begins it again at half the length. Returns 0 if
  * the border ends with this arc, at the end of the depth range or outside the image. */
 static int finish_arc(rigcal_spans_solver *s)
@@ -183,16 +300,16 @@ static int finish_arc(rigcal_spans_solver *s)
         s->stride /= 2;
         return 1;
     }
-    rc_outline_add(&s->outline, s->u, s->v);
-    s->n_arcs++;
     const int leaves = is_leaving(s, LAST - 1);
     place_of_node(p, s, 1);
     (void)rc_vec3_unit(unit, p);
     s->at[0] = unit[0];
     s->at[1] = unit[1];
     set_stride(s, bend);
+    add_arc(s, bend > BEND_MAX);
     s->u[0] = s->u[LAST];
     s->v[0] = s->v[LAST];
+    s->n_arcs++;
     return !s->is_last && s->n_arcs < 2 * ARCS_OF_BORDER && !leaves;
 }
 
@@ -217,64 +334,6 @@ static int add_node(rigcal_spans_solver *s)
 
 /* ---- the ends ------------------------------------------------------------ */
 
-/* Adds a straight line. */
-static void add_line(rigcal_spans_solver *s, const rigcal_real from[2],
-                     const rigcal_real to[2])
-{
-    for (int i = 0; i < LAST; i++) {
-        const rigcal_real part = (rigcal_real)i / LAST;
-        s->u[i] = from[0] + part * (to[0] - from[0]);
-        s->v[i] = from[1] + part * (to[1] - from[1]);
-    }
-    s->u[LAST] = to[0];
-    s->v[LAST] = to[1];
-    rc_outline_add(&s->outline, s->u, s->v);
-}
-
-/* Whether the straight line between two places of the normalised image comes nearer to the
- * axis than both of them and the circle around the image. a2 and b2 are their squared
- * distances from the axis. */
-static int cuts_circle(const rigcal_spans_solver *s, const rigcal_real a[2], rigcal_real a2,
-                       const rigcal_real b[2], rigcal_real b2)
-{
-    const rigcal_real ab[2] = {b[0] - a[0], b[1] - a[1]}, area = cross2(a, b);
-    const rigcal_real length2 = dot2(ab, ab), ahead = -dot2(a, ab);
-    return ahead > 0 && ahead < length2 &&
-           area * area < CUT * rc_min(s->radius2, rc_min(a2, b2)) * length2;
-}
-
-/* Joins two ends that are outside the image or where the lens ends. A straight line between
- * them may cut the image if the band is wide. Then the join goes out from the axis, around
- * it on a wide circle by the shorter way, and in again. */
-static void go_round(rigcal_spans_solver *s, const rigcal_real from[2],
-                     const rigcal_real to[2])
-{
-    const rigcal_camera *const c = &s->edge.band.camera_b;
-    const rigcal_real radius = WIDE * RC_SQRT(s->radius2);
-    rigcal_real a[3] = {0, 0, 0}, b[3] = {0, 0, 0}, at[2] = {from[0], from[1]};
-    const rigcal_real a2 = normalise(a, s, from[0], from[1]);
-    const rigcal_real b2 = normalise(b, s, to[0], to[1]);
-    if (!cuts_circle(s, a, a2, b, b2)) {
-        add_line(s, from, to);
-        return;
-    }
-    (void)rc_vec3_unit(a, a); /* the line passes the axis between them: neither is on it */
-    (void)rc_vec3_unit(b, b);
-    const rigcal_real way = (cross2(a, b) < 0) ? RC(-1) : RC(1);
-    const rigcal_real aside[3] = {way * (b[1] - a[1]), way * (a[0] - b[0]), 0};
-    rigcal_real between[3] = {b[0], b[1], 0};
-    (void)rc_vec3_unit(between, aside);
-    for (int i = 0; i < 3; i++) {
-        const rigcal_real *const d = (i == 0) ? a : (i == 1) ? between : b;
-        const rigcal_real next[2] = {c->cx + radius * d[0] * c->fx,
-                                     c->cy + radius * d[1] * c->fy};
-        add_line(s, at, next);
-        at[0] = next[0];
-        at[1] = next[1];
-    }
-    add_line(s, at, to);
-}
-
 /* Finds the nodes of a part of an end of the depth range: from the height `from` on, over
  * `rise`. The first node stays. Returns 0 if the lens does not see one of them. */
 static int place_nodes(rigcal_spans_solver *s, rigcal_real from, rigcal_real rise)
@@ -291,13 +350,13 @@ static int place_nodes(rigcal_spans_solver *s, rigcal_real from, rigcal_real ris
     return 1;
 }
 
-/* Follows an end of the depth range across the band, from border `side` to the other one,
+/* Follows an end of the depth range across the band, from border s->side to the other one,
  * in parts. It stops where the lens ends, or outside the image if the other border does not
  * reach this end. Returns 1 at the other border; *stop is the last place. */
-static int cross_band(rigcal_real stop[2], rigcal_spans_solver *s, int side)
+static int cross_band(rigcal_real stop[2], rigcal_spans_solver *s)
 {
-    const rigcal_border_end *const from = &s->corners[side][s->way];
-    const rigcal_border_end *const to = &s->corners[!side][s->way];
+    const rigcal_border_end *const from = &s->corners[s->side][s->way];
+    const rigcal_border_end *const to = &s->corners[!s->side][s->way];
     const rigcal_real rise = to->height - from->height;
     rigcal_real at = 0, part = 1;
     int leaves = 0;
@@ -322,8 +381,8 @@ static int cross_band(rigcal_real stop[2], rigcal_spans_solver *s, int side)
         }
         stop[0] = s->u[LAST];
         stop[1] = s->v[LAST];
-        rc_outline_add(&s->outline, s->u, s->v);
         leaves = !to->is_of_range && is_leaving(s, 0);
+        add_arc(s, is_bent);
     }
     return to->is_of_range;
 }
@@ -334,34 +393,36 @@ static void close_way(rigcal_spans_solver *s, int way)
 {
     const rigcal_border_end *const from = &s->corners[0][way];
     const rigcal_border_end *const to = &s->corners[1][way];
-    rigcal_real stop[2], back[2];
+    rigcal_real stop[2] = {from->uv[0], from->uv[1]}, back[2] = {to->uv[0], to->uv[1]};
+    rigcal_real again[2];
     s->way = way;
-    if (from->is_of_range && to->is_of_range) {
-        if (!cross_band(stop, s, 0)) {
-            /* The lens ends on the way. It may see the way again at the other border. */
-            const int is_seen =
-                rc_edge_pixel(back, &s->edge, s->ends[way], to->height) == RIGCAL_OK;
-            if (is_seen) {
-                (void)cross_band(back, s, 1);
-            }
-            add_line(s, stop, is_seen ? back : to->uv);
-        }
-    } else if (from->is_of_range) {
-        (void)cross_band(stop, s, 0);
-        go_round(s, stop, to->uv);
-    } else if (to->is_of_range) {
-        (void)cross_band(stop, s, 1);
-        go_round(s, from->uv, stop);
-    } else {
-        go_round(s, from->uv, to->uv);
+    s->side = 0;
+    if (from->is_of_range && cross_band(stop, s)) {
+        return;
     }
+    /* If both reach it, the lens ends on the way. It may see the way again at the other
+     * border. */
+    if (to->is_of_range &&
+        (!from->is_of_range ||
+         rc_edge_pixel(again, &s->edge, s->ends[way], to->height) == RIGCAL_OK)) {
+        s->side = 1;
+        (void)cross_band(back, s);
+        s->side = 0;
+    }
+    go_round(s, stop, back);
 }
 
+/* The outline turns around the axis once if the band holds the axis, else not at all. It
+ * turns the other way if the band passes straight behind the camera. Then the joins went
+ * round on the wrong side, and the outline is inside out. */
 static void finish(rigcal_spans_solver *s, int is_seen)
 {
     if (is_seen) {
         close_way(s, 0);
         close_way(s, 1);
+        if (s->turns < 0) {
+            turn_inside_out(s);
+        }
     } else {
         rc_outline_begin(&s->outline, s->edge.band.camera_b.height);
     }
@@ -413,7 +474,7 @@ rigcal_status rigcal_spans_begin(rigcal_spans_solver *solver, const rigcal_band 
     }
     prepare(solver);
     rc_outline_begin(&solver->outline, band->camera_b.height);
-    solver->side = solver->way = 0;
+    solver->side = solver->way = solver->turns = 0;
     solver->phase = START;
     solver->status = RIGCAL_RUNNING;
     return RIGCAL_OK;

@@ -1,6 +1,11 @@
 /* The end of a depth range crosses a band from one border to the other. Where one border
  * meets it just at the end of the lens, the other border was joined to that place by a
- * straight line, which passed through the image. Spans lacked up to a hundred pixels. */
+ * straight line, which passed through the image. Spans lacked up to a hundred pixels.
+ *
+ * A band behind the camera may pass over the end of the lens, which is a hole there. Its
+ * borders or its ends then leap to the other side of the hole. The leap was a straight line
+ * through the image, or it went round the image on the wrong side. Spans had a large part
+ * of the image that is not in the band, and lacked what is. */
 #include <math.h>
 #include <string.h>
 
@@ -79,8 +84,8 @@ static int assert_none_missed(const test_bands *scene, const rigcal_span spans[]
 
 static void test_no_pixel_is_missed(void)
 {
-    static const uint64_t SEED[] = {6155,   18016, 40781, 64977, 131846, 142086,
-                                    156402, 28714, 60600, 67225, 70758};
+    static const uint64_t SEED[] = {6155,  18016, 40781, 64977, 131846, 142086, 156402,
+                                    28714, 60600, 67225, 70758, 182220, 298033};
     static rigcal_spans_solver solver;
     static rigcal_span spans[4 * SIDE];
 
@@ -97,7 +102,30 @@ static void test_no_pixel_is_missed(void)
     }
 }
 
+/* All of these bands are outside the image: brute force finds no pixel. */
+static void test_a_band_that_leaps_over_the_end_of_the_lens_has_no_pixel(void)
+{
+    static const uint64_t SEED[] = {1409,   201709, 202165, 202869, 206313,
+                                    210112, 214370, 219713, 223775};
+    static rigcal_spans_solver solver;
+    static rigcal_span spans[4 * SIDE];
+
+    TEST_WANTS_RAM(sizeof solver + sizeof spans + 4000);
+    for (size_t i = 0; i < TEST_TRIALS(sizeof SEED / sizeof SEED[0]); i++) {
+        test_bands scene;
+        rigcal_band band;
+        size_t n;
+
+        make(&scene, SEED[i]);
+        ASSERT_STATUS(RIGCAL_OK, rigcal_band_make(&band, &scene.pair, scene.uv_a));
+        TEST_ASSERT_EQUAL_INT(0, assert_none_missed(&scene, spans, 0));
+        ASSERT_STATUS(RIGCAL_ERR_OUTSIDE,
+                      rigcal_spans_find(spans, 4 * SIDE, &n, &solver, &band));
+    }
+}
+
 TEST_MAIN()
 {
     RUN_TEST(test_no_pixel_is_missed);
+    RUN_TEST(test_a_band_that_leaps_over_the_end_of_the_lens_has_no_pixel);
 }

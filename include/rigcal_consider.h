@@ -15,6 +15,10 @@
  * covariance, and G is the effect of each on the poses. Deviations of 0 do not change one
  * bit.
  *
+ * The errors of the intrinsics also raise the residuals a little, and F with them. So
+ * sigma_px and F of the adjustment contain a part of what the second term counts.
+ * rigcal_considered_fit subtracts this part.
+ *
  * EQUATIONS.md CONSIDER has the mathematics. */
 #ifndef RIGCAL_H
 #include "rigcal.h" /* rigcal.h includes this header too */
@@ -41,6 +45,10 @@ struct rigcal_considered {
                              rigcal_rig_adjust_robust */
     const rigcal_real *factor; /* written: after an estimate, k rows of a triangle; else
                                   NULL */
+    rigcal_real sum, own_sum;  /* written [px^2]: what the errors of the intrinsics are
+                                  expected to add to `sum` of rigcal_rig_fit, and to the
+                                  sums of the views, each with a pose of its own; after an
+                                  estimate 0 */
 };
 typedef struct rigcal_considered rigcal_considered;
 
@@ -69,6 +77,15 @@ RIGCAL_API size_t rigcal_consider_clocks_work(size_t n_cameras);
  * O(n_cameras^3). */
 RIGCAL_API rigcal_status rigcal_rig_consider(rigcal_considered *considered,
                                              int32_t *at_fault, rigcal_rig *rig);
+
+/* *out: the fit of the last adjustment, without what the errors of the intrinsics are
+ * expected to add to it. Take the noise for a covariance from *out: sigma_px, or the noise
+ * inside the views times sqrt(F) if F is above 1. Take a verdict about the views from *fit.
+ * sum, sigma_px and F differ. They are 0 if the deviations explain all that there is. `out`
+ * may be `fit`. If rig->considered is NULL, *out is *fit. OK, ERR_NULL. O(1) */
+RIGCAL_API rigcal_status rigcal_considered_fit(rigcal_rig_fit *out,
+                                               const rigcal_rig_fit *fit,
+                                               const rigcal_rig *rig);
 
 typedef struct rigcal_consider_solver rigcal_consider_solver; /* see rigcal_solvers.h */
 

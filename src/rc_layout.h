@@ -178,6 +178,7 @@
         M(rigcal_considered, effects) M(rigcal_considered, capacity)               \
         M(rigcal_considered, is_truncated)                                         \
         M(rigcal_considered, factor)                                               \
+        M(rigcal_considered, sum) M(rigcal_considered, own_sum)                    \
     S(rigcal_intrinsics_change)                                                    \
         M(rigcal_intrinsics_change, focal) M(rigcal_intrinsics_change, aspect)     \
         M(rigcal_intrinsics_change, cx) M(rigcal_intrinsics_change, cy)            \

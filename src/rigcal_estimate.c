@@ -319,6 +319,7 @@ static rigcal_status estimate(rigcal_estimated *out, int32_t *at_fault, rigcal_r
         tell(out, b, rig, row);
         rc_border_mix(b->T, b->n, b->Q, b->k);
         out->considered.factor = b->Q;
+        out->considered.sum = out->considered.own_sum = 0;
         rig->considered = &out->considered;
     }
     return status;

@@ -82,7 +82,8 @@ RIGCAL_API rigcal_status rigcal_rig_consider(rigcal_considered *considered,
  * expected to add to it. Take the noise for a covariance from *out: sigma_px, or the noise
  * inside the views times sqrt(F) if F is above 1. Take a verdict about the views from *fit.
  * sum, sigma_px and F differ. They are 0 if the deviations explain all that there is. `out`
- * may be `fit`. If rig->considered is NULL, *out is *fit. OK, ERR_NULL. O(1) */
+ * may be `fit`. If rig->considered is NULL, *out is *fit. OK, ERR_NULL, ERR_NOT_FINITE. O(1)
+ */
 RIGCAL_API rigcal_status rigcal_considered_fit(rigcal_rig_fit *out,
                                                const rigcal_rig_fit *fit,
                                                const rigcal_rig *rig);

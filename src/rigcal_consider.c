@@ -632,6 +632,11 @@ rigcal_status rigcal_considered_fit(rigcal_rig_fit *out, const rigcal_rig_fit *f
     if (out == NULL || fit == NULL || rig == NULL) {
         return RIGCAL_ERR_NULL;
     }
+    const rigcal_real numbers[] = {fit->sum, fit->freedom,         fit->sigma_px,
+                                   fit->F,   fit->freedom_between, fit->freedom_within};
+    if (!rc_all_finite(numbers, 6)) {
+        return RIGCAL_ERR_NOT_FINITE;
+    }
     const rigcal_considered *const all = rig->considered;
     rigcal_rig_fit left = *fit;
     if (all != NULL) {

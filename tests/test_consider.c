@@ -942,7 +942,7 @@ static void test_the_fit_loses_what_intrinsics_add(void)
 }
 
 /* Without a cycle there is no F, without freedom no sigma. */
-static void test_a_fit_without_freedom_has_neither_sigma_nor_F(void)
+static void test_a_fit_without_freedom_has_neither_sigma_nor_ratio(void)
 {
     const rigcal_considered all = {.sum = RC(0.5), .own_sum = RC(0.25)};
     const rigcal_rig rig = {.considered = &all};
@@ -972,6 +972,15 @@ static void test_a_fit_of_exact_intrinsics_stays_as_it_is(void)
     ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_considered_fit(NULL, &fit, &rig));
     ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_considered_fit(&out, NULL, &rig));
     ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_considered_fit(&out, &fit, NULL));
+    for (int k = 0; k < 6; k++) {
+        rigcal_rig_fit bad = fit;
+        rigcal_real *const numbers[] = {
+            &bad.sum, &bad.freedom,         &bad.sigma_px,
+            &bad.F,   &bad.freedom_between, &bad.freedom_within};
+
+        *numbers[k] = RC(NAN);
+        ASSERT_STATUS(RIGCAL_ERR_NOT_FINITE, rigcal_considered_fit(&out, &bad, &rig));
+    }
     ASSERT_NEAR(9, out.F, 0);
 }
 
@@ -1174,7 +1183,7 @@ TEST_MAIN()
     RUN_TEST(test_a_placement_that_has_changed_has_no_covariance);
     RUN_TEST(test_pixels_and_intrinsics_are_added);
     RUN_TEST(test_the_fit_loses_what_intrinsics_add);
-    RUN_TEST(test_a_fit_without_freedom_has_neither_sigma_nor_F);
+    RUN_TEST(test_a_fit_without_freedom_has_neither_sigma_nor_ratio);
     RUN_TEST(test_a_fit_of_exact_intrinsics_stays_as_it_is);
     RUN_TEST(test_an_adjustment_forgets_what_was_considered);
     RUN_TEST(test_the_budget_changes_no_bit);

@@ -322,6 +322,8 @@ static void test_the_answer_is_that_of_dense_least_squares(void)
         }
         TEST_ASSERT_TRUE(moved > 0.5);
         assert_minimum();
+        ASSERT_NEAR(0, estimated.considered.sum, 0); /* the fit is that of the estimate */
+        ASSERT_NEAR(0, estimated.considered.own_sum, 0);
     }
 }
 

@@ -72,7 +72,7 @@ static void check(double noise_px, double off_noise, double off_F)
     TEST_ASSERT_TRUE(noise > 1 + off_noise && F > 1 + off_F);
 }
 
-static void test_noise_and_F_are_those_of_the_pixels(void)
+static void test_the_fit_is_that_of_exact_intrinsics(void)
 {
     TEST_ON_HOST_ONLY("120 rigs of 32 views are adjusted");
     check(0.1, 0.08, 0.45);
@@ -81,5 +81,5 @@ static void test_noise_and_F_are_those_of_the_pixels(void)
 
 TEST_MAIN()
 {
-    RUN_TEST(test_noise_and_F_are_those_of_the_pixels);
+    RUN_TEST(test_the_fit_is_that_of_exact_intrinsics);
 }

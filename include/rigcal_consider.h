@@ -78,12 +78,12 @@ RIGCAL_API size_t rigcal_consider_clocks_work(size_t n_cameras);
 RIGCAL_API rigcal_status rigcal_rig_consider(rigcal_considered *considered,
                                              int32_t *at_fault, rigcal_rig *rig);
 
-/* *out: the fit of the last adjustment, without what the errors of the intrinsics are
- * expected to add to it. Take the noise for a covariance from *out: sigma_px, or the noise
- * inside the views times sqrt(F) if F is above 1. Take a verdict about the views from *fit.
- * sum, sigma_px and F differ. They are 0 if the deviations explain all that there is. `out`
- * may be `fit`. If rig->considered is NULL, *out is *fit. OK, ERR_NULL, ERR_NOT_FINITE. O(1)
- */
+/* *out: `fit`, that of the last adjustment, without what the errors of the intrinsics are
+ * expected to add to it. sum, sigma_px and F differ; they are 0 if the deviations explain
+ * all that there is. Take the noise for a covariance from *out: sigma_px, or the noise
+ * inside the views times sqrt(F) if F is above 1. `fit` still says how much the views
+ * disagree. `out` may be `fit`. If rig->considered is NULL, *out is *fit. OK, ERR_NULL,
+ * ERR_NOT_FINITE. O(1) */
 RIGCAL_API rigcal_status rigcal_considered_fit(rigcal_rig_fit *out,
                                                const rigcal_rig_fit *fit,
                                                const rigcal_rig *rig);

@@ -32,7 +32,7 @@ extern "C" {
 #endif
 
 /* How far one standard deviation of each intrinsic parameter moves the cameras. Set the
- * struct to zero, then set the memory and its capacity, and is_truncated. It must last as
+ * struct to zero, then set the memory and its capacity, and loss. It must last as
  * long as covariances are asked for. */
 struct rigcal_considered {
     const struct rigcal_considering *by; /* written, as n and k */
@@ -41,8 +41,8 @@ struct rigcal_considered {
     rigcal_real *effects; /* memory: k rows of n, then the effects on the placement last
                              asked for */
     size_t capacity;      /* number of reals of that memory: RIGCAL_CONSIDER_WORK */
-    int32_t is_truncated; /* 1: points beyond 4 sigma_i sigma_px do not count, as after
-                             rigcal_rig_adjust_robust */
+    int32_t loss;         /* of rigcal_losses: that by which the rig was adjusted last;
+                             0: least squares */
     const rigcal_real *factor; /* written: after an estimate, k rows of a triangle; else
                                   NULL */
     rigcal_real sum, own_sum;  /* written [px^2]: what the errors of the intrinsics are
@@ -68,9 +68,9 @@ RIGCAL_API size_t rigcal_consider_clocks_work(size_t n_cameras);
  * a placement is computed as if there were no clocks.
  *
  * Call it after rigcal_rig_adjust, for a rig with intrinsics_sigmas (NULL: all are exact).
- * It sets rig->considered. After rigcal_rig_adjust_robust set is_truncated: otherwise the
- * wrong points count here too.
- * OK; ERR_NULL, ERR_NOT_FINITE, ERR_RANGE (a deviation below 0 or above 1e9; is_truncated
+ * It sets rig->considered. After rigcal_rig_adjust_robust set `loss` to
+ * RIGCAL_LOSS_TRUNCATED: otherwise the wrong points count here too.
+ * OK; ERR_NULL, ERR_NOT_FINITE, ERR_RANGE (a deviation below 0 or above 1e9; loss
  * without rig->sigma_px), ERR_STATE (not adjusted), ERR_CAPACITY, and those of views and
  * sources. After an error rig->considered is NULL. *at_fault: the number of the view, or of
  * the camera whose deviation is at fault, or -1. Time O(n) + O(n_views n_cameras^2) +
@@ -154,10 +154,10 @@ RIGCAL_API size_t rigcal_estimate_work(size_t n_free, size_t n_cameras);
 /* After rigcal_rig_adjust, of a rig with intrinsics_sigmas; sigma_px > 0 [px] is the noise
  * of its pixels. Sets rig->considered to the errors that are left, so *estimated must last
  * as long as covariances are asked for. A parameter whose deviation is 0 does not move,
- * and its deviation stays 0. With considered.is_truncated wrong points do not count. In
+ * and its deviation stays 0. Points count as by considered.loss. In
  * float the deviations are accurate to some 5 %. Two passes over the views, in one call:
  * O(n) + O(n_views n_cameras^2) + O(n_cameras^3). OK; ERR_NOT_FINITE, ERR_RANGE (sigma_px;
- * a number of `made` beyond 1e9; is_truncated without rig->sigma_px), ERR_STATE (also:
+ * a number of `made` beyond 1e9; loss without rig->sigma_px), ERR_STATE (also:
  * the rig has clocks), and those of rigcal_rig_consider. After an error rig->considered is
  * NULL, and nothing is written to `change` and `sigma`. *at_fault: as in
  * rigcal_rig_consider. */

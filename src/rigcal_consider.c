@@ -74,16 +74,11 @@ static void add_row(shares *by, const rigcal_real q[3], const rigcal_real b[3],
     }
 }
 
-/* px^2: limit of the squared error over sigma_i^2. 0: all points count. */
-static rigcal_real limit2_of(const rigcal_considered *considered, const rigcal_rig *rig)
-{
-    const rigcal_real limit = RC_TRUNCATED_FROM * rig->sigma_px;
-    return (considered->is_truncated != 0) ? limit * limit : 0;
-}
-
-/* A view at cam_from_target: H = J^T J, and E and Q of each of the intrinsics. */
+/* A view at cam_from_target: H = J^T J, and E and Q of each of the intrinsics, by the
+ * weights that its points have by the loss. */
 static rigcal_status add_points(rigcal_real H[21], shares *by, const rigcal_points *points,
-                                const rigcal_transform *cam_from_target, rigcal_real limit2)
+                                const rigcal_transform *cam_from_target, int32_t loss,
+                                rigcal_real sigma_px)
 {
     static const rigcal_real NO_ERROR[2] = {0, 0};
     const rigcal_camera *const camera = points->view.camera;
@@ -92,8 +87,9 @@ static rigcal_status add_points(rigcal_real H[21], shares *by, const rigcal_poin
     *by = (shares){0};
     for (size_t i = 0; i < points->view.n; i++) {
         rigcal_real x[2], uv[2], B[6], q[3], X_c[3], D[2 * RC_INTRINSICS];
-        const rigcal_real weight = rc_points_weight(points, i);
-        if (limit2 > 0 && !(rc_points_error2(points, cam_from_target, i) <= limit2)) {
+        const rigcal_real weight =
+            rc_rig_weight(points, cam_from_target, i, loss, sigma_px);
+        if (!(weight > 0)) {
             continue;
         }
         rc_points_place(q, X_c, points, cam_from_target, i);
@@ -151,7 +147,7 @@ static void weigh(rigcal_real H[21], shares *by, const rigcal_real m[6], rigcal_
  * 0 if there are no clocks. */
 static rigcal_status evaluate(rc_chain *chain, rigcal_real m[6], rigcal_real H[21],
                               shares *by, const rigcal_rig_view *v, const rigcal_rig *rig,
-                              size_t index, rigcal_real limit2)
+                              size_t index, int32_t loss)
 {
     rigcal_points points;
     rigcal_status status = rc_rig_points(&points, v);
@@ -159,7 +155,7 @@ static rigcal_status evaluate(rc_chain *chain, rigcal_real m[6], rigcal_real H[2
         return status;
     }
     rc_rig_chain(chain, rig, v->camera, (size_t)v->placement, index);
-    status = add_points(H, by, &points, &chain->cam_from_target, limit2);
+    status = add_points(H, by, &points, &chain->cam_from_target, loss, rig->sigma_px);
     eliminate_own(by, H);
     rc_clear(m, 6);
     if (rig->clocks != NULL) {
@@ -244,7 +240,7 @@ static void eliminate_clocks(rc_border *b, const rigcal_rig *rig)
  * and what of this is left with its own pose to *own_sum. */
 static rigcal_status add_view(rc_border *b, rigcal_real *sum, rigcal_real *own_sum,
                               const rigcal_rig *rig, size_t index, size_t placement,
-                              rigcal_real limit2)
+                              int32_t loss)
 {
     rigcal_rig_view v;
     shares by;
@@ -263,7 +259,7 @@ static rigcal_status add_view(rc_border *b, rigcal_real *sum, rigcal_real *own_s
         status = RIGCAL_ERR_RANGE;
     }
     if (status == RIGCAL_OK) {
-        status = evaluate(&chain, m, H, &by, &v, rig, index, limit2);
+        status = evaluate(&chain, m, H, &by, &v, rig, index, loss);
     }
     if (status != RIGCAL_OK) {
         return status;
@@ -368,11 +364,10 @@ static void considered_joint(rigcal_real S[], const rigcal_rig *rig)
 static rigcal_status add_views(rc_border *b, const rigcal_rig *rig, size_t first,
                                size_t count, size_t placement)
 {
-    const rigcal_real limit2 = limit2_of(rig->considered, rig);
     rigcal_status status = RIGCAL_OK;
     rigcal_real sum = 0, own_sum = 0; /* not used */
     for (size_t i = first; i < first + count && status == RIGCAL_OK; i++) {
-        status = add_view(b, &sum, &own_sum, rig, i, placement, limit2);
+        status = add_view(b, &sum, &own_sum, rig, i, placement, rig->considered->loss);
     }
     return status;
 }
@@ -449,7 +444,7 @@ static void adding_step(rigcal_consider_solver *s)
 {
     rc_rig_parts parts;
     const rigcal_status status = add_view(&s->border, &s->sum, &s->own_sum, s->rig, s->view,
-                                          s->placement, s->limit2);
+                                          s->placement, s->considered->loss);
     if (status != RIGCAL_OK) {
         end(s, status, (int32_t)s->view);
         return;
@@ -549,8 +544,8 @@ static rigcal_status check(size_t *n, const rigcal_considered *considered, rigca
         status = check_deviations(rig);
     }
     if (status == RIGCAL_OK &&
-        (considered->is_truncated < 0 || considered->is_truncated > 1 ||
-         (considered->is_truncated > 0 && !(rig->sigma_px > 0)))) {
+        (considered->loss < 0 || considered->loss > RIGCAL_LOSS_TRUNCATED ||
+         (considered->loss > 0 && !(rig->sigma_px > 0)))) {
         status = RIGCAL_ERR_RANGE;
     }
     if (status != RIGCAL_OK) {
@@ -576,16 +571,17 @@ rigcal_status rigcal_consider_begin(rigcal_consider_solver *solver,
     if (solver == NULL) {
         return RIGCAL_ERR_NULL;
     }
+    if (rig != NULL) {
+        rig->considered = NULL;
+    }
     const rigcal_status status = check(&n, considered, rig);
     if (status != RIGCAL_OK) {
         return status;
     }
     rc_rig_parts_of(&parts, rig, 0);
-    rig->considered = NULL;
     *solver = (rigcal_consider_solver){0};
     solver->rig = rig;
     solver->considered = considered;
-    solver->limit2 = limit2_of(considered, rig);
     rc_border *const b = &solver->border;
     b->n = n;
     b->k = columns_before(rig, rig->n_cameras);

@@ -23,6 +23,7 @@ static test_rig r;
 static rigcal_intrinsics_sigma sigmas[CAMERAS];
 static rigcal_real effects[WORK], spreads[RIG_POINTS_MAX];
 static rigcal_considered considered;
+static int is_huber; /* whether the truth weighs points as Huber does */
 static uint8_t left_out[RIG_VIEWS_MAX], is_wrong[RIG_VIEWS_MAX][RIG_POINTS_MAX];
 
 #define WANTS TEST_WANTS_RAM(sizeof(test_rig) + 65536)
@@ -70,6 +71,7 @@ static void make(uint64_t seed)
     }
     memset(left_out, 0, sizeof left_out);
     memset(is_wrong, 0, sizeof is_wrong);
+    is_huber = 0;
     left_out[9] = 1;
     r.rig.left_out = left_out;
     set_sigmas(&rng);
@@ -157,10 +159,24 @@ static void pixel(double uv[2], const rigcal_rig_view *v, int i, const rigcal_ca
  * have no unknowns. */
 static double M[POSES][POSES + COLUMNS], left[COLUMNS];
 
+/* The root of the weight of a point, over its sigma_i. The weight is 1 up to 2 sigma, and
+ * falls as 1 / error beyond. */
+static double root_weight(const rigcal_rig_view *v, int i)
+{
+    static const double NOTHING[6] = {0};
+    const double s = D(v->view.sigma[i]), limit = 2 * s * D(r.rig.sigma_px);
+    double uv[2];
+
+    pixel(uv, v, i, &r.camera[v->camera], NOTHING, NOTHING);
+    const double off = hypot(uv[0] - D(v->view.observations[i].uv[0]),
+                             uv[1] - D(v->view.observations[i].uv[1]));
+    return (is_huber && off > limit ? sqrt(limit / off) : 1) / s;
+}
+
 static void add_point(const rigcal_rig_view *v, int i, int fixed)
 {
     static const double NOTHING[6] = {0};
-    const double step = 1e-5, s = D(v->view.sigma[i]);
+    const double step = 1e-5, s = 1 / root_weight(v, i);
     const int c = v->camera, f = v->placement;
     double rows[2][POSES + COLUMNS];
 
@@ -496,15 +512,39 @@ static void test_points_that_a_robust_adjustment_left_out_do_not_count(void)
     WANTS;
     make(7316);
     make_wrong_points(&rng);
-    considered.is_truncated = 1;
+    considered.loss = RIGCAL_LOSS_TRUNCATED;
     adjust_robust(count_wrong());
     ASSERT_STATUS(RIGCAL_OK, rigcal_rig_consider(&considered, NULL, &r.rig));
     assert_all(1);
-    considered.is_truncated = 0; /* all points, at the same poses */
+    considered.loss = 0; /* all points, at the same poses */
     ASSERT_STATUS(RIGCAL_OK, rigcal_rig_consider(&considered, NULL, &r.rig));
     ASSERT_STATUS(RIGCAL_OK, rigcal_rig_covariance(Sigma, &r.rig, 0, 2));
     spread(expected, 12, 12);
     TEST_ASSERT_TRUE(fabs(D(Sigma[0]) / expected[0] - 1) > 0.01);
+}
+
+static void test_points_count_as_the_loss_of_the_adjustment_weighs_them(void)
+{
+    static rigcal_rig_solver solver;
+    rigcal_rig_fit fit;
+    test_rng rng = test_seed(7318);
+    size_t n;
+
+    WANTS;
+    make(7318);
+    make_wrong_points(&rng);
+    memset(is_wrong, 0, sizeof is_wrong); /* all count, by their weights */
+    is_huber = 1;
+    considered.loss = RIGCAL_LOSS_HUBER;
+    for (int i = 0; i < 8; i++) {
+        ASSERT_STATUS(RIGCAL_OK,
+                      rigcal_rig_robust_begin(&solver, &r.rig, RIGCAL_LOSS_HUBER));
+        while (rigcal_rig_step(&solver, 1000) == RIGCAL_RUNNING) {
+        }
+        ASSERT_STATUS(RIGCAL_OK, rigcal_rig_robust_result(&fit, &n, NULL, &solver));
+    }
+    ASSERT_STATUS(RIGCAL_OK, rigcal_rig_consider(&considered, NULL, &r.rig));
+    assert_all(1);
 }
 
 /* A point that its camera cannot see is wrong. A limit for the truncated loss needs the
@@ -522,7 +562,7 @@ static void test_what_the_truncated_loss_leaves_out_needs_the_noise(void)
     make(7317);
     make_wrong_points(&rng);
     adjust_robust(count_wrong());
-    considered.is_truncated = 1;
+    considered.loss = RIGCAL_LOSS_TRUNCATED;
     ASSERT_STATUS(RIGCAL_OK, rigcal_rig_consider(&considered, NULL, &r.rig));
     ASSERT_STATUS(RIGCAL_OK, rigcal_rig_covariance(whole, &r.rig, 0, 2));
     chain = test_times(&r.cams[r.views[0].camera], &r.places[r.views[0].placement]);
@@ -533,14 +573,14 @@ static void test_what_the_truncated_loss_leaves_out_needs_the_noise(void)
     ASSERT_STATUS(RIGCAL_OK, rigcal_rig_covariance(Sigma, &r.rig, 0, 2));
     test_to_double(expected, whole, 36);
     assert_part(expected, Sigma, TOL(1e-12, 1e-5));
-    considered.is_truncated = 0;
+    considered.loss = 0;
     ASSERT_STATUS(RIGCAL_ERR_BEHIND, rigcal_rig_consider(&considered, &at_fault, &r.rig));
     TEST_ASSERT_EQUAL_INT32(0, at_fault);
-    for (int32_t k = -1; k <= 2; k += 3) {
-        considered.is_truncated = k;
+    for (int32_t k = -1; k <= 3; k += 4) {
+        considered.loss = k;
         assert_refused(RIGCAL_ERR_RANGE);
     }
-    considered.is_truncated = 1;
+    considered.loss = RIGCAL_LOSS_TRUNCATED;
     r.rig.sigma_px = 0;
     assert_refused(RIGCAL_ERR_RANGE);
 }
@@ -1171,6 +1211,7 @@ TEST_MAIN()
     RUN_TEST(test_a_prior_holds_against_intrinsics);
     RUN_TEST(test_a_view_that_fixes_no_pose_leaves_no_sum_of_its_own);
     RUN_TEST(test_points_that_a_robust_adjustment_left_out_do_not_count);
+    RUN_TEST(test_points_count_as_the_loss_of_the_adjustment_weighs_them);
     RUN_TEST(test_what_the_truncated_loss_leaves_out_needs_the_noise);
     RUN_TEST(test_other_intrinsics_move_the_adjusted_rig_by_the_effects);
     RUN_TEST(test_intrinsics_act_through_clocks_too);

@@ -1557,14 +1557,14 @@ static const rigcal_rig *rig_considered(void)
 }
 
 static rigcal_considered *considered_of(const void *is_there, void *effects,
-                                        const void *capacity, const void *is_truncated)
+                                        const void *capacity, const void *loss)
 {
     static rigcal_considered considered;
 
     memset(&considered, 0, sizeof considered);
     considered.effects = effects;
     considered.capacity = *(const size_t *)capacity;
-    considered.is_truncated = *(const int32_t *)is_truncated;
+    considered.loss = *(const int32_t *)loss;
     return is_there ? &considered : NULL;
 }
 
@@ -1633,7 +1633,7 @@ static rigcal_estimated *estimated_of(void *const p[])
     estimated.made = p[12];
     estimated.change = p[13];
     estimated.sigma = p[14];
-    estimated.considered.is_truncated = *(const int32_t *)p[17];
+    estimated.considered.loss = *(const int32_t *)p[17];
     return p[9] ? &estimated : NULL;
 }
 

@@ -330,6 +330,9 @@ rigcal_status rigcal_rig_estimate(rigcal_estimated *estimated, int32_t *at_fault
                                   rigcal_rig *rig, rigcal_real sigma_px)
 {
     int32_t at = -1;
+    if (rig != NULL) {
+        rig->considered = NULL;
+    }
     rigcal_status status = check(estimated, rig, &at, sigma_px);
     if (status == RIGCAL_OK) {
         status = estimate(estimated, &at, rig, sigma_px);

@@ -6,7 +6,8 @@
  * squares. */
 static rigcal_real loss_of(rigcal_real *weight, rigcal_real error2, int32_t loss)
 {
-    const rigcal_real from = (loss == RIGCAL_LOSS_HUBER) ? RC_HUBER_FROM : RC_TRUNCATED_FROM;
+    const rigcal_real from =
+        (loss == RIGCAL_LOSS_HUBER) ? RC_HUBER_FROM : RC_TRUNCATED_FROM;
     *weight = 1;
     if (error2 <= from * from) {
         return error2;

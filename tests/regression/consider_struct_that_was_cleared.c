@@ -32,6 +32,10 @@ static void test_a_struct_may_be_cleared_and_handed_in_again(void)
     considered.capacity = 0;
     ASSERT_STATUS(RIGCAL_ERR_CAPACITY, rigcal_rig_consider(&considered, NULL, &b.rig));
     TEST_ASSERT_NULL(b.rig.considered);
+    considered.capacity = WORK;
+    ASSERT_STATUS(RIGCAL_OK, rigcal_rig_consider(&considered, NULL, &b.rig));
+    ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_rig_estimate(NULL, NULL, &b.rig, RC(0.3)));
+    TEST_ASSERT_NULL(b.rig.considered);
 }
 
 TEST_MAIN()

@@ -82,8 +82,9 @@ RIGCAL_API rigcal_status rigcal_rig_consider(rigcal_considered *considered,
  * expected to add to it. sum, sigma_px and F differ; they are 0 if the deviations explain
  * all that there is. Take the noise for a covariance from *out: sigma_px, or the noise
  * inside the views times sqrt(F) if F is above 1. `fit` still says how much the views
- * disagree. `out` may be `fit`. If rig->considered is NULL, *out is *fit. OK, ERR_NULL,
- * ERR_NOT_FINITE. O(1) */
+ * disagree. `out` may be `fit`. If rig->considered is NULL, *out is *fit. In float, after
+ * Huber's loss, it is right only if the adjustment was begun once more at its answer. OK,
+ * ERR_NULL, ERR_NOT_FINITE. O(1) */
 RIGCAL_API rigcal_status rigcal_considered_fit(rigcal_rig_fit *out,
                                                const rigcal_rig_fit *fit,
                                                const rigcal_rig *rig);

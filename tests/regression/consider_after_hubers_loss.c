@@ -70,9 +70,11 @@ static void test_wrong_points_count_as_the_adjustment_weighs_them(void)
         test_rng rng = test_seed(9300 + (uint64_t)rig);
 
         make(&rng);
-        ASSERT_STATUS(RIGCAL_OK,
-                      rigcal_rig_robust_begin(&solver, &b.rig, RIGCAL_LOSS_HUBER));
-        while (rigcal_rig_step(&solver, 1000) == RIGCAL_RUNNING) {
+        for (int i = 0; i < 2; i++) { /* the covariance belongs to the step before last */
+            ASSERT_STATUS(RIGCAL_OK,
+                          rigcal_rig_robust_begin(&solver, &b.rig, RIGCAL_LOSS_HUBER));
+            while (rigcal_rig_step(&solver, 1000) == RIGCAL_RUNNING) {
+            }
         }
         ASSERT_STATUS(RIGCAL_OK, rigcal_rig_consider(&considered, NULL, &b.rig));
         TEST_ASSERT_TRUE(considered.own_sum > 0 && considered.sum > considered.own_sum);

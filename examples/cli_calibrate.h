@@ -192,7 +192,8 @@ typedef struct {
                           residuals; 0: unknown */
     double own_rms_px;     /* rms of the views at their own poses, per point */
     double noise_px; /* noise that the sigmas of the rig are computed for, before ... */
-    double root_F, factor; /* ... they are multiplied by factor: 1 at least */
+    double root_F, factor; /* ... they are multiplied by factor: root_F without what
+                              intrinsics that are considered add to it; 1 at least */
 
     int is_explained; /* whether a fault explains the disagreement: then no view is wrong */
     int is_tested;    /* whether faults of the rig as a whole were tested: */

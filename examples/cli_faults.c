@@ -446,6 +446,7 @@ void consider_intrinsics(calibration *c)
 {
     const size_t n = c->rig.n_cameras;
     rigcal_intrinsics_sigma *sigmas;
+    rigcal_rig_fit left;
     int32_t at_fault = -1;
     rigcal_status status;
     size_t i;
@@ -467,6 +468,10 @@ void consider_intrinsics(calibration *c)
     status = rigcal_rig_consider(&c->considered, &at_fault, &c->rig);
     if (status != RIGCAL_OK) {
         name_rig_trouble(c, "--intrinsics-sigma is not considered", status, at_fault);
+        return;
+    }
+    if (rigcal_considered_fit(&left, &c->fit, &c->rig) == RIGCAL_OK) {
+        c->factor = left.F > 1 ? sqrt((double)left.F) : 1;
     }
 }
 

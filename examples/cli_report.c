@@ -358,7 +358,9 @@ static void print_fit(const calibration *c)
            c->pose.sigma_px > 0 ? "as given" : "as estimated view by view",
            c->factor > 1 ? "," : "\n");
     if (c->factor > 1) {
-        printf("\nmultiplied by sqrt(F), %.2f\n", c->factor);
+        printf("\nmultiplied by sqrt(F), %.2f%s\n", c->factor,
+               c->factor < c->root_F ? ", less what uncertain intrinsics explain of it"
+                                     : "");
     }
     print_intrinsics(c);
 }

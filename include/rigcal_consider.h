@@ -15,6 +15,10 @@
  * covariance, and G is the effect of each on the poses. Deviations of 0 do not change one
  * bit.
  *
+ * The errors of the intrinsics also raise the residuals a little, and F with them. So
+ * sigma_px and F of the adjustment contain a part of what the second term counts.
+ * rigcal_considered_fit subtracts this part.
+ *
  * EQUATIONS.md CONSIDER has the mathematics. */
 #ifndef RIGCAL_H
 #include "rigcal.h" /* rigcal.h includes this header too */
@@ -28,7 +32,7 @@ extern "C" {
 #endif
 
 /* How far one standard deviation of each intrinsic parameter moves the cameras. Set the
- * struct to zero, then set the memory and its capacity, and is_truncated. It must last as
+ * struct to zero, then set the memory and its capacity, and loss. It must last as
  * long as covariances are asked for. */
 struct rigcal_considered {
     const struct rigcal_considering *by; /* written, as n and k */
@@ -37,10 +41,14 @@ struct rigcal_considered {
     rigcal_real *effects; /* memory: k rows of n, then the effects on the placement last
                              asked for */
     size_t capacity;      /* number of reals of that memory: RIGCAL_CONSIDER_WORK */
-    int32_t is_truncated; /* 1: points beyond 4 sigma_i sigma_px do not count, as after
-                             rigcal_rig_adjust_robust */
+    int32_t loss;         /* of rigcal_losses: that by which the rig was adjusted last;
+                             0: least squares */
     const rigcal_real *factor; /* written: after an estimate, k rows of a triangle; else
                                   NULL */
+    rigcal_real sum, own_sum;  /* written [px^2]: what the errors of the intrinsics are
+                                  expected to add to `sum` of rigcal_rig_fit, and to the
+                                  sums of the views, each with a pose of its own; after an
+                                  estimate 0 */
 };
 typedef struct rigcal_considered rigcal_considered;
 
@@ -60,15 +68,26 @@ RIGCAL_API size_t rigcal_consider_clocks_work(size_t n_cameras);
  * a placement is computed as if there were no clocks.
  *
  * Call it after rigcal_rig_adjust, for a rig with intrinsics_sigmas (NULL: all are exact).
- * It sets rig->considered. After rigcal_rig_adjust_robust set is_truncated: otherwise the
- * wrong points count here too.
- * OK; ERR_NULL, ERR_NOT_FINITE, ERR_RANGE (a deviation below 0 or above 1e9; is_truncated
+ * It sets rig->considered. After rigcal_rig_adjust_robust set `loss` to
+ * RIGCAL_LOSS_TRUNCATED: otherwise the wrong points count here too.
+ * OK; ERR_NULL, ERR_NOT_FINITE, ERR_RANGE (a deviation below 0 or above 1e9; loss
  * without rig->sigma_px), ERR_STATE (not adjusted), ERR_CAPACITY, and those of views and
  * sources. After an error rig->considered is NULL. *at_fault: the number of the view, or of
  * the camera whose deviation is at fault, or -1. Time O(n) + O(n_views n_cameras^2) +
  * O(n_cameras^3). */
 RIGCAL_API rigcal_status rigcal_rig_consider(rigcal_considered *considered,
                                              int32_t *at_fault, rigcal_rig *rig);
+
+/* *out: `fit`, that of the last adjustment, without what the errors of the intrinsics are
+ * expected to add to it. sum, sigma_px and F differ; they are 0 if the deviations explain
+ * all that there is. Take the noise for a covariance from *out: sigma_px, or the noise
+ * inside the views times sqrt(F) if F is above 1. `fit` still says how much the views
+ * disagree. `out` may be `fit`. If rig->considered is NULL, *out is *fit. In float, after
+ * Huber's loss, it is right only if the adjustment was begun once more at its answer. OK,
+ * ERR_NULL, ERR_NOT_FINITE. O(1) */
+RIGCAL_API rigcal_status rigcal_considered_fit(rigcal_rig_fit *out,
+                                               const rigcal_rig_fit *fit,
+                                               const rigcal_rig *rig);
 
 typedef struct rigcal_consider_solver rigcal_consider_solver; /* see rigcal_solvers.h */
 
@@ -136,10 +155,10 @@ RIGCAL_API size_t rigcal_estimate_work(size_t n_free, size_t n_cameras);
 /* After rigcal_rig_adjust, of a rig with intrinsics_sigmas; sigma_px > 0 [px] is the noise
  * of its pixels. Sets rig->considered to the errors that are left, so *estimated must last
  * as long as covariances are asked for. A parameter whose deviation is 0 does not move,
- * and its deviation stays 0. With considered.is_truncated wrong points do not count. In
+ * and its deviation stays 0. Points count as by considered.loss. In
  * float the deviations are accurate to some 5 %. Two passes over the views, in one call:
  * O(n) + O(n_views n_cameras^2) + O(n_cameras^3). OK; ERR_NOT_FINITE, ERR_RANGE (sigma_px;
- * a number of `made` beyond 1e9; is_truncated without rig->sigma_px), ERR_STATE (also:
+ * a number of `made` beyond 1e9; loss without rig->sigma_px), ERR_STATE (also:
  * the rig has clocks), and those of rigcal_rig_consider. After an error rig->considered is
  * NULL, and nothing is written to `change` and `sigma`. *at_fault: as in
  * rigcal_rig_consider. */

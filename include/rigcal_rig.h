@@ -291,8 +291,9 @@ typedef struct rigcal_calibrated_rig {
 RIGCAL_API size_t rigcal_calibrated_size(size_t n_free);
 
 /* Takes a calibrated rig out of an adjusted rig. sigma_px > 0 is the noise for which Sigma
- * is computed. If the views disagree, use the noise of the pixels times sqrt(F). Writes
- * all but the pointers, the capacities and cameras[i].camera, which the caller fills in.
+ * is computed. If the views disagree, use the noise of the pixels times sqrt(F), which is
+ * that of rigcal_considered_fit if intrinsics were considered. Writes all but the pointers,
+ * the capacities and cameras[i].camera, which the caller fills in.
  * fit: that of the adjustment, or NULL: F is not known. OK, ERR_CAPACITY, and those of
  * rigcal_rig_covariance; after an error nothing is written. O(n_cameras^2) */
 RIGCAL_API rigcal_status rigcal_calibrated_take(rigcal_calibrated_rig *out,

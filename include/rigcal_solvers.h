@@ -207,7 +207,7 @@ struct rigcal_consider_solver {
     rigcal_considered *considered;
     int32_t phase, status, at_fault;
     size_t view, first, placement, column; /* under way */
-    rigcal_real limit2; /* px^2: limit of the squared error over sigma_i^2; 0: none */
+    rigcal_real sum, own_sum;              /* of rigcal_considered, so far */
     rigcal_border border;
 };
 

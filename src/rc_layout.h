@@ -176,8 +176,9 @@
     S(rigcal_considered)                                                           \
         M(rigcal_considered, by) M(rigcal_considered, n) M(rigcal_considered, k)   \
         M(rigcal_considered, effects) M(rigcal_considered, capacity)               \
-        M(rigcal_considered, is_truncated)                                         \
+        M(rigcal_considered, loss)                                                 \
         M(rigcal_considered, factor)                                               \
+        M(rigcal_considered, sum) M(rigcal_considered, own_sum)                    \
     S(rigcal_intrinsics_change)                                                    \
         M(rigcal_intrinsics_change, focal) M(rigcal_intrinsics_change, aspect)     \
         M(rigcal_intrinsics_change, cx) M(rigcal_intrinsics_change, cy)            \

@@ -12,6 +12,9 @@
  * point is left out. */
 #define RC_TRUNCATED_FROM RC(4)
 
+/* sigma: Huber's loss is linear for larger errors. */
+#define RC_HUBER_FROM RC(2)
+
 /* ---- functions ----------------------------------------------------------- */
 
 /* What an adjustment needs of the clocks of a rig. Only rigcal_clocks_defaults sets these
@@ -89,6 +92,13 @@ rigcal_status rc_rig_check(const rigcal_rig *rig);
 /* The points of a view. They count from the target's own origin. OK, and the errors of a
  * view. */
 rigcal_status rc_rig_points(rigcal_points *points, const rigcal_rig_view *view);
+
+/* The weight of point i of a view in an adjustment by a loss of rigcal_losses, over
+ * sigma_i^2. 0: by this loss it does not count. The loss 0 is that of least squares, for
+ * which sigma_px is not read. */
+rigcal_real rc_rig_weight(const rigcal_points *points,
+                          const rigcal_transform *cam_from_target, size_t i, int32_t loss,
+                          rigcal_real sigma_px);
 
 /* Number of views of a placement, left out or not. They follow one another. */
 size_t rc_rig_views_of(const rc_rig_parts *parts, size_t placement);

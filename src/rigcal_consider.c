@@ -54,41 +54,42 @@ static size_t columns_before(const rigcal_rig *rig, size_t c)
 
 /* ---- one view --------------------------------------------------------------- */
 
-/* E[p] += D_p (q x b, b), where b is a row of B. */
-static void add_row(rigcal_real E[RC_INTRINSICS][6], const rigcal_real q[3],
-                    const rigcal_real b[3], const rigcal_real D[RC_INTRINSICS],
-                    rigcal_real weight)
+/* What a view adds for each of the intrinsics, not yet times its deviation. */
+typedef struct {
+    rigcal_real E[RC_INTRINSICS][6]; /* J^T D */
+    rigcal_real Q[RC_INTRINSICS];    /* D^T D */
+    rigcal_real own[RC_INTRINSICS];  /* D^T D, the view's own pose eliminated */
+} shares;
+
+/* E[p] += D_p (q x b, b), where b is a row of B, and Q[p] += D_p^2. */
+static void add_row(shares *by, const rigcal_real q[3], const rigcal_real b[3],
+                    const rigcal_real D[RC_INTRINSICS], rigcal_real weight)
 {
     rigcal_real turn[3];
     rc_vec3_cross(turn, q, b);
     for (int p = 0; p < RC_INTRINSICS; p++) {
-        rc_vec3_add_scaled(&E[p][0], weight * D[p], turn);
-        rc_vec3_add_scaled(&E[p][3], weight * D[p], b);
+        rc_vec3_add_scaled(&by->E[p][0], weight * D[p], turn);
+        rc_vec3_add_scaled(&by->E[p][3], weight * D[p], b);
+        by->Q[p] += weight * D[p] * D[p];
     }
 }
 
-/* px^2: limit of the squared error over sigma_i^2. 0: all points count. */
-static rigcal_real limit2_of(const rigcal_considered *considered, const rigcal_rig *rig)
-{
-    const rigcal_real limit = RC_TRUNCATED_FROM * rig->sigma_px;
-    return (considered->is_truncated != 0) ? limit * limit : 0;
-}
-
-/* A view at cam_from_target: H = J^T J, and E = J^T D of each of the intrinsics, not yet
- * times its deviation. */
-static rigcal_status add_points(rigcal_real H[21], rigcal_real E[RC_INTRINSICS][6],
-                                const rigcal_points *points,
-                                const rigcal_transform *cam_from_target, rigcal_real limit2)
+/* A view at cam_from_target: H = J^T J, and E and Q of each of the intrinsics, by the
+ * weights that its points have by the loss. */
+static rigcal_status add_points(rigcal_real H[21], shares *by, const rigcal_points *points,
+                                const rigcal_transform *cam_from_target, int32_t loss,
+                                rigcal_real sigma_px)
 {
     static const rigcal_real NO_ERROR[2] = {0, 0};
     const rigcal_camera *const camera = points->view.camera;
     rigcal_real g[6];
     rc_rigid_clear(g, H);
-    rc_clear(&E[0][0], 6 * RC_INTRINSICS);
+    *by = (shares){0};
     for (size_t i = 0; i < points->view.n; i++) {
         rigcal_real x[2], uv[2], B[6], q[3], X_c[3], D[2 * RC_INTRINSICS];
-        const rigcal_real weight = rc_points_weight(points, i);
-        if (limit2 > 0 && !(rc_points_error2(points, cam_from_target, i) <= limit2)) {
+        const rigcal_real weight =
+            rc_rig_weight(points, cam_from_target, i, loss, sigma_px);
+        if (!(weight > 0)) {
             continue;
         }
         rc_points_place(q, X_c, points, cam_from_target, i);
@@ -98,16 +99,33 @@ static rigcal_status add_points(rigcal_real H[21], rigcal_real E[RC_INTRINSICS][
         }
         rc_rigid_add(g, H, B, q, NO_ERROR, weight, NULL, 0);
         rc_intrinsics(D, camera, x, uv);
-        add_row(E, q, &B[0], &D[0], weight);
-        add_row(E, q, &B[3], &D[RC_INTRINSICS], weight);
+        add_row(by, q, &B[0], &D[0], weight);
+        add_row(by, q, &B[3], &D[RC_INTRINSICS], weight);
     }
     return RIGCAL_OK;
 }
 
-/* (H11): eliminates the noise of the view's stamp from H and E. m is its (w, dt) a
+/* Eliminates the view's own pose from Q. Where its points do not fix a pose, no error is
+ * left. */
+static void eliminate_own(shares *by, const rigcal_real H[21])
+{
+    rc_sym6_factor L;
+    if (!rc_sym6_factor_of(&L, H, 0)) {
+        return;
+    }
+    for (int p = 0; p < RC_INTRINSICS; p++) {
+        rigcal_real y[6];
+        for (int i = 0; i < 6; i++) {
+            y[i] = by->E[p][i];
+        }
+        rc_sym6_forward(y, &L);
+        by->own[p] = by->Q[p] - rc_vec6_dot(y, y);
+    }
+}
+
+/* (H11): eliminates the noise of the view's stamp from H, E and Q. m is its (w, dt) a
  * second. */
-static void weigh(rigcal_real H[21], rigcal_real E[RC_INTRINSICS][6],
-                  const rigcal_real m[6], rigcal_real ratio2)
+static void weigh(rigcal_real H[21], shares *by, const rigcal_real m[6], rigcal_real ratio2)
 {
     rigcal_real Hm[6], full[36];
     rc_sym6_mul(Hm, H, m);
@@ -118,17 +136,18 @@ static void weigh(rigcal_real H[21], rigcal_real E[RC_INTRINSICS][6],
     }
     rc_sym6_pack(H, full);
     for (int p = 0; p < RC_INTRINSICS; p++) {
-        const rigcal_real along = scale * rc_vec6_dot(m, E[p]);
-        rc_vec3_add_scaled(&E[p][0], -along, &Hm[0]);
-        rc_vec3_add_scaled(&E[p][3], -along, &Hm[3]);
+        const rigcal_real mE = rc_vec6_dot(m, by->E[p]), along = scale * mE;
+        rc_vec3_add_scaled(&by->E[p][0], -along, &Hm[0]);
+        rc_vec3_add_scaled(&by->E[p][3], -along, &Hm[3]);
+        by->Q[p] -= along * mE;
     }
 }
 
 /* Evaluates view `index`, with the poses and clocks as they are. m is its (w, dt) a second,
  * 0 if there are no clocks. */
 static rigcal_status evaluate(rc_chain *chain, rigcal_real m[6], rigcal_real H[21],
-                              rigcal_real E[RC_INTRINSICS][6], const rigcal_rig_view *v,
-                              const rigcal_rig *rig, size_t index, rigcal_real limit2)
+                              shares *by, const rigcal_rig_view *v, const rigcal_rig *rig,
+                              size_t index, int32_t loss)
 {
     rigcal_points points;
     rigcal_status status = rc_rig_points(&points, v);
@@ -136,12 +155,13 @@ static rigcal_status evaluate(rc_chain *chain, rigcal_real m[6], rigcal_real H[2
         return status;
     }
     rc_rig_chain(chain, rig, v->camera, (size_t)v->placement, index);
-    status = add_points(H, E, &points, &chain->cam_from_target, limit2);
+    status = add_points(H, by, &points, &chain->cam_from_target, loss, rig->sigma_px);
+    eliminate_own(by, H);
     rc_clear(m, 6);
     if (rig->clocks != NULL) {
         rc_motion_seen(m, chain, rig->clocks->memory.velocity);
         if (rig->clocks->memory.ratio2 > 0) {
-            weigh(H, E, m, rig->clocks->memory.ratio2);
+            weigh(H, by, m, rig->clocks->memory.ratio2);
         }
     }
     return status;
@@ -216,13 +236,16 @@ static void eliminate_clocks(rc_border *b, const rigcal_rig *rig)
 
 /* ---- a view of a placement ----------------------------------------------------- */
 
-/* Adds a view to the current placement, unless it is left out. */
-static rigcal_status add_view(rc_border *b, const rigcal_rig *rig, size_t index,
-                              size_t placement, rigcal_real limit2)
+/* Adds a view to the current placement, unless it is left out. Also adds its D^T D to *sum,
+ * and what of this is left with its own pose to *own_sum. */
+static rigcal_status add_view(rc_border *b, rigcal_real *sum, rigcal_real *own_sum,
+                              const rigcal_rig *rig, size_t index, size_t placement,
+                              int32_t loss)
 {
     rigcal_rig_view v;
+    shares by;
     rigcal_real g[6] = {0, 0, 0, 0, 0, 0}, m[6], H[21], by_view[21];
-    rigcal_real E[RC_INTRINSICS][6], sigma[RC_INTRINSICS];
+    rigcal_real sigma[RC_INTRINSICS];
     rc_chain chain;
     rc_rig_parts parts;
     if (rc_rig_is_left_out(rig, index)) {
@@ -236,7 +259,7 @@ static rigcal_status add_view(rc_border *b, const rigcal_rig *rig, size_t index,
         status = RIGCAL_ERR_RANGE;
     }
     if (status == RIGCAL_OK) {
-        status = evaluate(&chain, m, H, E, &v, rig, index, limit2);
+        status = evaluate(&chain, m, H, &by, &v, rig, index, loss);
     }
     if (status != RIGCAL_OK) {
         return status;
@@ -256,12 +279,14 @@ static rigcal_status add_view(rc_border *b, const rigcal_rig *rig, size_t index,
     for (int p = 0; p < RC_INTRINSICS; p++) {
         if (sigma[p] > 0) {
             for (int i = 0; i < 6; i++) {
-                E[p][i] *= sigma[p];
+                by.E[p][i] *= sigma[p];
             }
-            rc_border_add(b, &chain, column, E[p]);
+            *sum += sigma[p] * sigma[p] * by.Q[p];
+            *own_sum += sigma[p] * sigma[p] * by.own[p];
+            rc_border_add(b, &chain, column, by.E[p]);
             if (has_clocks) {
                 add_by_clock(b, rig, &slots_of(b)[SLOT * (b->count - 1)], column,
-                             rc_vec6_dot(m, E[p]));
+                             rc_vec6_dot(m, by.E[p]));
             }
             column++;
         }
@@ -339,10 +364,10 @@ static void considered_joint(rigcal_real S[], const rigcal_rig *rig)
 static rigcal_status add_views(rc_border *b, const rigcal_rig *rig, size_t first,
                                size_t count, size_t placement)
 {
-    const rigcal_real limit2 = limit2_of(rig->considered, rig);
     rigcal_status status = RIGCAL_OK;
+    rigcal_real sum = 0, own_sum = 0; /* not used */
     for (size_t i = first; i < first + count && status == RIGCAL_OK; i++) {
-        status = add_view(b, rig, i, placement, limit2);
+        status = add_view(b, &sum, &own_sum, rig, i, placement, rig->considered->loss);
     }
     return status;
 }
@@ -418,8 +443,8 @@ static void begin_placement(rigcal_consider_solver *s)
 static void adding_step(rigcal_consider_solver *s)
 {
     rc_rig_parts parts;
-    const rigcal_status status =
-        add_view(&s->border, s->rig, s->view, s->placement, s->limit2);
+    const rigcal_status status = add_view(&s->border, &s->sum, &s->own_sum, s->rig, s->view,
+                                          s->placement, s->considered->loss);
     if (status != RIGCAL_OK) {
         end(s, status, (int32_t)s->view);
         return;
@@ -440,6 +465,9 @@ static void eliminating_step(rigcal_consider_solver *s)
     if (s->rig->clocks != NULL) {
         eliminate_clocks(&s->border, s->rig);
     }
+    for (size_t i = 0; i < 6 * s->border.k; i++) {
+        s->sum -= s->border.Z[i] * s->border.Z[i];
+    }
     s->placement++;
     begin_placement(s);
 }
@@ -453,6 +481,9 @@ static void solving_step(rigcal_consider_solver *s)
     if (s->column < b->k) {
         rc_rig_parts_of(&parts, s->rig, b->n);
         rc_border_effect(parts.g, b, parts.S, s->column);
+        for (size_t i = 0; i < b->n; i++) {
+            s->sum -= b->T[b->n * s->column + i] * parts.g[i];
+        }
         for (size_t i = 0; i < n_cameras; i++) {
             b->T[n_cameras * s->column + i] = parts.g[i];
         }
@@ -463,6 +494,8 @@ static void solving_step(rigcal_consider_solver *s)
     s->considered->n = n_cameras;
     s->considered->k = b->k;
     s->considered->factor = NULL;
+    s->considered->sum = s->sum;
+    s->considered->own_sum = s->own_sum;
     s->rig->considered = s->considered;
     end(s, RIGCAL_OK, -1);
 }
@@ -511,8 +544,8 @@ static rigcal_status check(size_t *n, const rigcal_considered *considered, rigca
         status = check_deviations(rig);
     }
     if (status == RIGCAL_OK &&
-        (considered->is_truncated < 0 || considered->is_truncated > 1 ||
-         (considered->is_truncated > 0 && !(rig->sigma_px > 0)))) {
+        (considered->loss < 0 || considered->loss > RIGCAL_LOSS_TRUNCATED ||
+         (considered->loss > 0 && !(rig->sigma_px > 0)))) {
         status = RIGCAL_ERR_RANGE;
     }
     if (status != RIGCAL_OK) {
@@ -538,16 +571,17 @@ rigcal_status rigcal_consider_begin(rigcal_consider_solver *solver,
     if (solver == NULL) {
         return RIGCAL_ERR_NULL;
     }
+    if (rig != NULL) {
+        rig->considered = NULL;
+    }
     const rigcal_status status = check(&n, considered, rig);
     if (status != RIGCAL_OK) {
         return status;
     }
     rc_rig_parts_of(&parts, rig, 0);
-    rig->considered = NULL;
     *solver = (rigcal_consider_solver){0};
     solver->rig = rig;
     solver->considered = considered;
-    solver->limit2 = limit2_of(considered, rig);
     rc_border *const b = &solver->border;
     b->n = n;
     b->k = columns_before(rig, rig->n_cameras);
@@ -584,6 +618,35 @@ rigcal_status rigcal_consider_result(int32_t *at_fault,
         return RIGCAL_ERR_NULL;
     }
     return is_done ? solver->status : RIGCAL_ERR_STATE;
+}
+
+/* ---- the fit ------------------------------------------------------------------ */
+
+rigcal_status rigcal_considered_fit(rigcal_rig_fit *out, const rigcal_rig_fit *fit,
+                                    const rigcal_rig *rig)
+{
+    if (out == NULL || fit == NULL || rig == NULL) {
+        return RIGCAL_ERR_NULL;
+    }
+    const rigcal_real numbers[] = {fit->sum, fit->freedom,         fit->sigma_px,
+                                   fit->F,   fit->freedom_between, fit->freedom_within};
+    if (!rc_all_finite(numbers, 6)) {
+        return RIGCAL_ERR_NOT_FINITE;
+    }
+    const rigcal_considered *const all = rig->considered;
+    rigcal_rig_fit left = *fit;
+    if (all != NULL) {
+        left.sum = rc_max(0, fit->sum - all->sum);
+        left.sigma_px = (fit->freedom > 0) ? RC_SQRT(left.sum / fit->freedom) : 0;
+    }
+    /* The views by themselves have the sum `sum` freedom_within / by_own. */
+    const rigcal_real by_own = fit->freedom_within + fit->F * fit->freedom_between;
+    const rigcal_real scale = fit->sum * fit->freedom_between;
+    if (all != NULL && scale > 0) {
+        left.F = rc_max(0, fit->F - (all->sum - all->own_sum) * by_own / scale);
+    }
+    *out = left;
+    return RIGCAL_OK;
 }
 
 rigcal_status rigcal_rig_consider(rigcal_considered *considered, int32_t *at_fault,

@@ -100,9 +100,9 @@ static void add_point(const rc_border *b, size_t column,
     }
 }
 
-/* Points whose squared error over sigma_i^2 is above limit2 do not count; 0: all count. */
+/* Points count as by the loss of the adjustment. */
 static rigcal_status add_view(const rc_border *b, const rigcal_rig *rig, size_t index,
-                              rigcal_real limit2)
+                              int32_t loss)
 {
     rigcal_rig_view v;
     rigcal_points points;
@@ -120,8 +120,9 @@ static rigcal_status add_view(const rc_border *b, const rigcal_rig *rig, size_t 
     for (size_t i = 0; i < v.view.n && status == RIGCAL_OK; i++) {
         rigcal_real x[2], uv[2], B[6], q[3], X_c[3], D[2 * RC_INTRINSICS];
         const rigcal_real *const seen = v.view.observations[i].uv;
-        if (limit2 > 0 &&
-            !(rc_points_error2(&points, &chain.cam_from_target, i) <= limit2)) {
+        const rigcal_real weight =
+            rc_rig_weight(&points, &chain.cam_from_target, i, loss, rig->sigma_px);
+        if (!(weight > 0)) {
             continue;
         }
         rc_points_place(q, X_c, &points, &chain.cam_from_target, i);
@@ -129,7 +130,7 @@ static rigcal_status add_view(const rc_border *b, const rigcal_rig *rig, size_t 
         if (status == RIGCAL_OK) {
             const rigcal_real e[2] = {seen[0] - uv[0], seen[1] - uv[1]};
             rc_intrinsics(D, v.view.camera, x, uv);
-            add_point(b, column, sigma, D, e, rc_points_weight(&points, i));
+            add_point(b, column, sigma, D, e, weight);
         }
     }
     return status;
@@ -301,7 +302,7 @@ static rigcal_status estimate(rigcal_estimated *out, int32_t *at_fault, rigcal_r
     rc_clear(b->Q, rc_border_size(b));
     for (size_t i = 0; i < rig->n_views; i++) {
         if (!rc_rig_is_left_out(rig, i)) {
-            status = add_view(b, rig, i, s.limit2);
+            status = add_view(b, rig, i, out->considered.loss);
         }
         if (status != RIGCAL_OK) {
             *at_fault = (int32_t)i;
@@ -319,6 +320,7 @@ static rigcal_status estimate(rigcal_estimated *out, int32_t *at_fault, rigcal_r
         tell(out, b, rig, row);
         rc_border_mix(b->T, b->n, b->Q, b->k);
         out->considered.factor = b->Q;
+        out->considered.sum = out->considered.own_sum = 0;
         rig->considered = &out->considered;
     }
     return status;
@@ -328,6 +330,9 @@ rigcal_status rigcal_rig_estimate(rigcal_estimated *estimated, int32_t *at_fault
                                   rigcal_rig *rig, rigcal_real sigma_px)
 {
     int32_t at = -1;
+    if (rig != NULL) {
+        rig->considered = NULL;
+    }
     rigcal_status status = check(estimated, rig, &at, sigma_px);
     if (status == RIGCAL_OK) {
         status = estimate(estimated, &at, rig, sigma_px);

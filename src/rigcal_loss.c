@@ -1,17 +1,13 @@
 #include "rc_adjust.h"
 
-/* ---- constants ----------------------------------------------------------- */
-
-/* sigma: Huber's loss is linear for larger errors. */
-#define HUBER_FROM RC(2)
-
 /* ---- views by a loss of their points ------------------------------------- */
 
 /* The loss of a squared error, which is divided by sigma^2. *weight is its weight in least
  * squares. */
 static rigcal_real loss_of(rigcal_real *weight, rigcal_real error2, int32_t loss)
 {
-    const rigcal_real from = (loss == RIGCAL_LOSS_HUBER) ? HUBER_FROM : RC_TRUNCATED_FROM;
+    const rigcal_real from =
+        (loss == RIGCAL_LOSS_HUBER) ? RC_HUBER_FROM : RC_TRUNCATED_FROM;
     *weight = 1;
     if (error2 <= from * from) {
         return error2;

@@ -318,6 +318,24 @@ rigcal_status rc_rig_points(rigcal_points *points, const rigcal_rig_view *view)
                                                                                : status;
 }
 
+rigcal_real rc_rig_weight(const rigcal_points *points,
+                          const rigcal_transform *cam_from_target, size_t i, int32_t loss,
+                          rigcal_real sigma_px)
+{
+    const rigcal_real weight = rc_points_weight(points, i);
+    if (loss == 0) {
+        return weight;
+    }
+    const rigcal_real from =
+        (loss == RIGCAL_LOSS_HUBER) ? RC_HUBER_FROM : RC_TRUNCATED_FROM;
+    const rigcal_real limit = from * sigma_px;
+    const rigcal_real error2 = rc_points_error2(points, cam_from_target, i);
+    if (error2 <= limit * limit) {
+        return weight;
+    }
+    return (loss == RIGCAL_LOSS_HUBER) ? weight * limit / RC_SQRT(error2) : 0;
+}
+
 /* Checks the rows of a camera in the joint information. */
 static rigcal_status check_information(const rigcal_rig *rig, size_t camera)
 {

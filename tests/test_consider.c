@@ -23,6 +23,7 @@ static test_rig r;
 static rigcal_intrinsics_sigma sigmas[CAMERAS];
 static rigcal_real effects[WORK], spreads[RIG_POINTS_MAX];
 static rigcal_considered considered;
+static int is_huber; /* whether the truth weighs points as Huber does */
 static uint8_t left_out[RIG_VIEWS_MAX], is_wrong[RIG_VIEWS_MAX][RIG_POINTS_MAX];
 
 #define WANTS TEST_WANTS_RAM(sizeof(test_rig) + 65536)
@@ -70,6 +71,7 @@ static void make(uint64_t seed)
     }
     memset(left_out, 0, sizeof left_out);
     memset(is_wrong, 0, sizeof is_wrong);
+    is_huber = 0;
     left_out[9] = 1;
     r.rig.left_out = left_out;
     set_sigmas(&rng);
@@ -153,13 +155,28 @@ static void pixel(double uv[2], const rigcal_rig_view *v, int i, const rigcal_ca
     test_project_px(uv, lens, X_c);
 }
 
-/* M = J^T J and B = J^T D over all poses. The first `fixed` cameras have no unknowns. */
-static double M[POSES][POSES + COLUMNS];
+/* M = J^T J and J^T D over all poses, and D^T D of each column. The first `fixed` cameras
+ * have no unknowns. */
+static double M[POSES][POSES + COLUMNS], left[COLUMNS];
+
+/* The root of the weight of a point, over its sigma_i. The weight is 1 up to 2 sigma, and
+ * falls as 1 / error beyond. */
+static double root_weight(const rigcal_rig_view *v, int i)
+{
+    static const double NOTHING[6] = {0};
+    const double s = D(v->view.sigma[i]), limit = 2 * s * D(r.rig.sigma_px);
+    double uv[2];
+
+    pixel(uv, v, i, &r.camera[v->camera], NOTHING, NOTHING);
+    const double off = hypot(uv[0] - D(v->view.observations[i].uv[0]),
+                             uv[1] - D(v->view.observations[i].uv[1]));
+    return (is_huber && off > limit ? sqrt(limit / off) : 1) / s;
+}
 
 static void add_point(const rigcal_rig_view *v, int i, int fixed)
 {
     static const double NOTHING[6] = {0};
-    const double step = 1e-5, s = D(v->view.sigma[i]);
+    const double step = 1e-5, s = 1 / root_weight(v, i);
     const int c = v->camera, f = v->placement;
     double rows[2][POSES + COLUMNS];
 
@@ -189,26 +206,31 @@ static void add_point(const rigcal_rig_view *v, int i, int fixed)
     }
     for (int row = 0; row < 2; row++) {
         for (int a = 0; a < POSES; a++) {
-            for (int b = 0; b < POSES + COLUMNS; b++) {
+            for (int b = 0; b < POSES + COLUMNS && rows[row][a] != 0; b++) {
                 M[a][b] += rows[row][a] * rows[row][b];
             }
+        }
+        for (int k = 0; k < COLUMNS; k++) {
+            left[k] += pow(rows[row][POSES + k], 2);
         }
     }
 }
 
-/* Solves for the effects of all deviations on all poses, in the last columns of M. */
-static void solve_dense(int fixed)
+/* Solves for the effects of all deviations on all poses by views first .. end - 1, in the
+ * last columns of M. What is left of D^T D is the sum of squares that no poses explain. */
+static void solve_views(int fixed, size_t first, size_t end)
 {
     memset(M, 0, sizeof M);
-    for (size_t v = 0; v < r.rig.n_views; v++) {
+    memset(left, 0, sizeof left);
+    for (size_t v = first; v < end; v++) {
         for (int i = 0; i < r.n_points && !left_out[v]; i++) {
             if (!is_wrong[v][i]) {
                 add_point(&r.views[v], i, fixed);
             }
         }
     }
-    for (int a = 0; a < 6 * fixed; a++) {
-        M[a][a] = 1;
+    for (int a = 0; a < POSES; a++) { /* unknowns on which nothing depends */
+        M[a][a] = (M[a][a] > 0) ? M[a][a] : 1;
     }
     for (int c = 0; c < CAMERAS; c++) { /* information of a prior, sigma_px^2 Sigma^-1 */
         for (int k = 0; k < 6 && r.roles[c] == RIGCAL_CAMERA_PRIOR; k++) {
@@ -220,17 +242,43 @@ static void solve_dense(int fixed)
     for (int p = 0; p < POSES; p++) {
         const double by = 1 / M[p][p];
 
+        for (int k = 0; k < COLUMNS; k++) {
+            left[k] -= by * pow(M[p][POSES + k], 2);
+        }
         for (int b = p; b < POSES + COLUMNS; b++) {
             M[p][b] *= by;
         }
         for (int a = 0; a < POSES; a++) {
             const double part = M[a][p];
 
-            for (int b = p; b < POSES + COLUMNS && a != p; b++) {
+            for (int b = p; b < POSES + COLUMNS && a != p && part != 0; b++) {
                 M[a][b] -= part * M[p][b];
             }
         }
     }
+}
+
+/* The sum of squares that the deviations are expected to leave. */
+static double sum_left(void)
+{
+    double sum = 0;
+
+    for (int k = 0; k < COLUMNS; k++) {
+        sum += sigma_of(k) * sigma_of(k) * left[k];
+    }
+    return sum;
+}
+
+/* The same of all views, each with a pose of its own. */
+static double own_sum_left(void)
+{
+    double sum = 0;
+
+    for (size_t v = 0; v < r.rig.n_views; v++) {
+        solve_views(CAMERAS, v, v + 1);
+        sum += sum_left();
+    }
+    return sum;
 }
 
 /* Adds v v^T for each column, where v is the effect of one deviation. */
@@ -292,6 +340,7 @@ static void assert_part(const double expected[36], const rigcal_real seen[36], d
 }
 
 #define PART TOL(2e-7, 2e-3)
+#define SUM_PART TOL(1e-7, 0.04) /* sums are differences of large numbers */
 
 /* With sigma_px 0 the covariance has only this part. */
 static void assert_all(int fixed)
@@ -300,7 +349,8 @@ static void assert_all(int fixed)
     rigcal_real Sigma[36];
     rigcal_transform pair;
 
-    solve_dense(fixed);
+    solve_views(fixed, 0, r.rig.n_views);
+    ASSERT_NEAR(sum_left(), considered.sum, SUM_PART * sum_left());
     for (int a = 0; a < CAMERAS; a++) {
         ASSERT_STATUS(RIGCAL_OK, rigcal_rig_covariance(Sigma, &r.rig, 0, (size_t)a));
         spread(expected, 6 * a, 6 * a);
@@ -319,6 +369,7 @@ static void assert_all(int fixed)
         spread(expected, 6 * (CAMERAS + f), 6 * (CAMERAS + f));
         assert_part(expected, Sigma, PART);
     }
+    ASSERT_NEAR(own_sum_left(), considered.own_sum, SUM_PART * own_sum_left());
 }
 
 static void test_the_effects_are_those_of_dense_least_squares(void)
@@ -373,6 +424,18 @@ static void test_a_prior_holds_against_intrinsics(void)
     r.rig.sigma_px = RC(0.3);
     adjust_and_consider();
     assert_all(1);
+}
+
+/* Three times the same point: rank 2 of 6. */
+static void test_a_view_that_fixes_no_pose_leaves_no_sum_of_its_own(void)
+{
+    WANTS;
+    make(7317);
+    r.o[3][1] = r.o[3][2] = r.o[3][0];
+    r.views[3].view.n = 3;
+    adjust_and_consider();
+    left_out[3] = 1; /* in the dense solution only */
+    ASSERT_NEAR(own_sum_left(), considered.own_sum, SUM_PART * own_sum_left());
 }
 
 /* ---- against the adjustment itself -------------------------------------------------- */
@@ -449,15 +512,39 @@ static void test_points_that_a_robust_adjustment_left_out_do_not_count(void)
     WANTS;
     make(7316);
     make_wrong_points(&rng);
-    considered.is_truncated = 1;
+    considered.loss = RIGCAL_LOSS_TRUNCATED;
     adjust_robust(count_wrong());
     ASSERT_STATUS(RIGCAL_OK, rigcal_rig_consider(&considered, NULL, &r.rig));
     assert_all(1);
-    considered.is_truncated = 0; /* all points, at the same poses */
+    considered.loss = 0; /* all points, at the same poses */
     ASSERT_STATUS(RIGCAL_OK, rigcal_rig_consider(&considered, NULL, &r.rig));
     ASSERT_STATUS(RIGCAL_OK, rigcal_rig_covariance(Sigma, &r.rig, 0, 2));
     spread(expected, 12, 12);
     TEST_ASSERT_TRUE(fabs(D(Sigma[0]) / expected[0] - 1) > 0.01);
+}
+
+static void test_points_count_as_the_loss_of_the_adjustment_weighs_them(void)
+{
+    static rigcal_rig_solver solver;
+    rigcal_rig_fit fit;
+    test_rng rng = test_seed(7318);
+    size_t n;
+
+    WANTS;
+    make(7318);
+    make_wrong_points(&rng);
+    memset(is_wrong, 0, sizeof is_wrong); /* all count, by their weights */
+    is_huber = 1;
+    considered.loss = RIGCAL_LOSS_HUBER;
+    for (int i = 0; i < 8; i++) {
+        ASSERT_STATUS(RIGCAL_OK,
+                      rigcal_rig_robust_begin(&solver, &r.rig, RIGCAL_LOSS_HUBER));
+        while (rigcal_rig_step(&solver, 1000) == RIGCAL_RUNNING) {
+        }
+        ASSERT_STATUS(RIGCAL_OK, rigcal_rig_robust_result(&fit, &n, NULL, &solver));
+    }
+    ASSERT_STATUS(RIGCAL_OK, rigcal_rig_consider(&considered, NULL, &r.rig));
+    assert_all(1);
 }
 
 /* A point that its camera cannot see is wrong. A limit for the truncated loss needs the
@@ -475,7 +562,7 @@ static void test_what_the_truncated_loss_leaves_out_needs_the_noise(void)
     make(7317);
     make_wrong_points(&rng);
     adjust_robust(count_wrong());
-    considered.is_truncated = 1;
+    considered.loss = RIGCAL_LOSS_TRUNCATED;
     ASSERT_STATUS(RIGCAL_OK, rigcal_rig_consider(&considered, NULL, &r.rig));
     ASSERT_STATUS(RIGCAL_OK, rigcal_rig_covariance(whole, &r.rig, 0, 2));
     chain = test_times(&r.cams[r.views[0].camera], &r.places[r.views[0].placement]);
@@ -486,14 +573,14 @@ static void test_what_the_truncated_loss_leaves_out_needs_the_noise(void)
     ASSERT_STATUS(RIGCAL_OK, rigcal_rig_covariance(Sigma, &r.rig, 0, 2));
     test_to_double(expected, whole, 36);
     assert_part(expected, Sigma, TOL(1e-12, 1e-5));
-    considered.is_truncated = 0;
+    considered.loss = 0;
     ASSERT_STATUS(RIGCAL_ERR_BEHIND, rigcal_rig_consider(&considered, &at_fault, &r.rig));
     TEST_ASSERT_EQUAL_INT32(0, at_fault);
-    for (int32_t k = -1; k <= 2; k += 3) {
-        considered.is_truncated = k;
+    for (int32_t k = -1; k <= 3; k += 4) {
+        considered.loss = k;
         assert_refused(RIGCAL_ERR_RANGE);
     }
-    considered.is_truncated = 1;
+    considered.loss = RIGCAL_LOSS_TRUNCATED;
     r.rig.sigma_px = 0;
     assert_refused(RIGCAL_ERR_RANGE);
 }
@@ -626,6 +713,51 @@ static void test_intrinsics_act_through_clocks_too(void)
     }
     considered.capacity = RIGCAL_CONSIDER_WORK(2, 3);
     ASSERT_STATUS(RIGCAL_ERR_CAPACITY, rigcal_rig_consider(&considered, NULL, &moving.rig));
+}
+
+/* What a lens that is off by a part of its deviation adds to the sum of the fit. The terms
+ * of first order cancel between both signs. */
+static double added_by(int column)
+{
+    const double part = 0.2;
+    const rigcal_camera kept = lens[column / BY];
+    double sum[3];
+
+    for (int sign = -1; sign <= 1; sign++) {
+        rigcal_rig_fit fit;
+
+        lens[column / BY] = changed(&kept, column % BY, sign * part * sigma_of(column));
+        adjust_moving();
+        TEST_ASSERT_GREATER_OR_EQUAL_INT(0, rigcal_rig_adjust(&fit, NULL, &moving.rig));
+        sum[1 + sign] = D(fit.sum);
+    }
+    lens[column / BY] = kept;
+    adjust_moving();
+    return ((sum[0] + sum[2]) / 2 - sum[1]) / (part * part);
+}
+
+static void keep_deviation_of(int column)
+{
+    const rigcal_intrinsics_sigma kept = sigmas[column / BY];
+
+    memset(sigmas, 0, sizeof sigmas);
+    sigmas[column / BY].focal = column % BY == 0 ? kept.focal : 0;
+    sigmas[column / BY].aspect = column % BY == 1 ? kept.aspect : 0;
+    sigmas[column / BY].k1 = column % BY == 4 ? kept.k1 : 0;
+}
+
+static void test_the_sum_is_what_intrinsics_add_where_clocks_are_free(void)
+{
+    TEST_ON_HOST_ONLY("a rig of 60 views is adjusted 117 times");
+    for (int k = 0; k < 9; k++) {
+        static const int COLUMN[] = {0, BY + 1, 2 * BY + 4};
+
+        make_moving(k / 3 == 1, k / 3 == 2 ? 0.004 : 0);
+        keep_deviation_of(COLUMN[k % 3]);
+        const double added = added_by(COLUMN[k % 3]);
+        ASSERT_STATUS(RIGCAL_OK, rigcal_rig_consider(&considered, NULL, &moving.rig));
+        ASSERT_NEAR(added, considered.sum, TOL(0.01, 0.1) * added);
+    }
 }
 
 /* All unknowns and all deviations take exactly the memory that the macros say. */
@@ -809,6 +941,89 @@ static void test_pixels_and_intrinsics_are_added(void)
     }
 }
 
+/* ---- the fit -------------------------------------------------------------------- */
+
+/* All but sum, sigma_px and F are the same. */
+static void assert_others(const rigcal_rig_fit *a, const rigcal_rig_fit *b)
+{
+    ASSERT_NEAR(D(a->freedom), b->freedom, 0);
+    TEST_ASSERT_EQUAL_size_t(a->n_points, b->n_points);
+    TEST_ASSERT_EQUAL_INT32(a->evals, b->evals);
+    ASSERT_NEAR(D(a->freedom_between), b->freedom_between, 0);
+    ASSERT_NEAR(D(a->freedom_within), b->freedom_within, 0);
+}
+
+/* Sums of the rig and of the views by themselves, and what intrinsics add to both. */
+static void check_fit(double sum, double own, double adds, double adds_own)
+{
+    const double b = 40, w = 500;
+    const rigcal_rig_fit fit = {
+        RC(sum), RC(b + w), RC(1), 300, 7, RC((sum / own - 1) * w / b), RC(b), RC(w)};
+    const rigcal_considered all = {.sum = RC(adds), .own_sum = RC(adds_own)};
+    const rigcal_rig rig = {.considered = &all};
+    const double rest = fmax(0, sum - adds);
+    const double F = fmax(0, (sum - own - (adds - adds_own)) / b / (own / w));
+    rigcal_rig_fit out;
+
+    ASSERT_STATUS(RIGCAL_OK, rigcal_considered_fit(&out, &fit, &rig));
+    ASSERT_NEAR(rest, out.sum, TOL(1e-12, 1e-5) * sum);
+    ASSERT_NEAR(sqrt(rest / (b + w)), out.sigma_px, TOL(1e-12, 1e-5) * sqrt(sum));
+    ASSERT_NEAR(F, out.F, TOL(1e-12, 1e-5) * (1 + D(fit.F)));
+    assert_others(&fit, &out);
+}
+
+static void test_the_fit_loses_what_intrinsics_add(void)
+{
+    check_fit(60, 45, 4, 1);
+    check_fit(60, 45, 0, 0);
+    check_fit(60, 45, 20, 3);  /* between the views there is nothing left */
+    check_fit(60, 45, 70, 3);  /* there is nothing left at all */
+    check_fit(60, 45, -1, -2); /* by rounding */
+}
+
+/* Without a cycle there is no F, without freedom no sigma. */
+static void test_a_fit_without_freedom_has_neither_sigma_nor_ratio(void)
+{
+    const rigcal_considered all = {.sum = RC(0.5), .own_sum = RC(0.25)};
+    const rigcal_rig rig = {.considered = &all};
+    rigcal_rig_fit fit = {.sum = 4, .freedom = 14, .n_points = 10};
+
+    ASSERT_STATUS(RIGCAL_OK, rigcal_considered_fit(&fit, &fit, &rig));
+    ASSERT_NEAR(3.5, fit.sum, 0);
+    ASSERT_NEAR(0.5, fit.sigma_px, TOL(1e-15, 1e-6));
+    ASSERT_NEAR(0, fit.F, 0);
+    fit = (rigcal_rig_fit){.sum = 1, .sigma_px = 7};
+    ASSERT_STATUS(RIGCAL_OK, rigcal_considered_fit(&fit, &fit, &rig));
+    ASSERT_NEAR(0, fit.sigma_px, 0);
+}
+
+static void test_a_fit_of_exact_intrinsics_stays_as_it_is(void)
+{
+    const rigcal_rig rig = {0};
+    const rigcal_rig_fit fit = {60, 540, RC(0.4), 300, 7, RC(1.5), 40, 500};
+    rigcal_rig_fit out = {0};
+
+    ASSERT_STATUS(RIGCAL_OK, rigcal_considered_fit(&out, &fit, &rig));
+    ASSERT_NEAR(60, out.sum, 0);
+    ASSERT_NEAR(D(fit.sigma_px), out.sigma_px, 0);
+    ASSERT_NEAR(1.5, out.F, 0);
+    assert_others(&fit, &out);
+    out.F = 9;
+    ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_considered_fit(NULL, &fit, &rig));
+    ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_considered_fit(&out, NULL, &rig));
+    ASSERT_STATUS(RIGCAL_ERR_NULL, rigcal_considered_fit(&out, &fit, NULL));
+    for (int k = 0; k < 6; k++) {
+        rigcal_rig_fit bad = fit;
+        rigcal_real *const numbers[] = {
+            &bad.sum, &bad.freedom,         &bad.sigma_px,
+            &bad.F,   &bad.freedom_between, &bad.freedom_within};
+
+        *numbers[k] = RC(NAN);
+        ASSERT_STATUS(RIGCAL_ERR_NOT_FINITE, rigcal_considered_fit(&out, &bad, &rig));
+    }
+    ASSERT_NEAR(9, out.F, 0);
+}
+
 static void test_an_adjustment_forgets_what_was_considered(void)
 {
     static answers plain, again;
@@ -835,6 +1050,7 @@ static void test_the_budget_changes_no_bit(void)
     make(7334);
     adjust_and_consider();
     memcpy(kept, effects, considered.n * considered.k * sizeof *kept);
+    const rigcal_considered before = considered;
     for (int32_t budget = 1; budget < 40; budget += 6) {
         rigcal_consider_solver solver;
         int32_t at_fault = -2;
@@ -852,6 +1068,8 @@ static void test_the_budget_changes_no_bit(void)
         ASSERT_STATUS(RIGCAL_OK, rigcal_consider_result(&at_fault, &solver));
         TEST_ASSERT_EQUAL_INT32(-1, at_fault);
         TEST_ASSERT_EQUAL_MEMORY(kept, effects, considered.n * considered.k * sizeof *kept);
+        ASSERT_NEAR(D(before.sum), considered.sum, 0);
+        ASSERT_NEAR(D(before.own_sum), considered.own_sum, 0);
     }
 }
 
@@ -991,10 +1209,13 @@ TEST_MAIN()
     RUN_TEST(test_cameras_with_exact_intrinsics_have_no_columns);
     RUN_TEST(test_held_cameras_move_placements_and_other_cameras);
     RUN_TEST(test_a_prior_holds_against_intrinsics);
+    RUN_TEST(test_a_view_that_fixes_no_pose_leaves_no_sum_of_its_own);
     RUN_TEST(test_points_that_a_robust_adjustment_left_out_do_not_count);
+    RUN_TEST(test_points_count_as_the_loss_of_the_adjustment_weighs_them);
     RUN_TEST(test_what_the_truncated_loss_leaves_out_needs_the_noise);
     RUN_TEST(test_other_intrinsics_move_the_adjusted_rig_by_the_effects);
     RUN_TEST(test_intrinsics_act_through_clocks_too);
+    RUN_TEST(test_the_sum_is_what_intrinsics_add_where_clocks_are_free);
     RUN_TEST(test_with_clocks_the_memory_is_enough);
     RUN_TEST(test_the_unit_of_time_does_not_matter);
     RUN_TEST(test_intrinsics_act_on_placements_of_a_rig_with_clocks);
@@ -1002,6 +1223,9 @@ TEST_MAIN()
     RUN_TEST(test_deviations_of_zero_change_no_bit);
     RUN_TEST(test_a_placement_that_has_changed_has_no_covariance);
     RUN_TEST(test_pixels_and_intrinsics_are_added);
+    RUN_TEST(test_the_fit_loses_what_intrinsics_add);
+    RUN_TEST(test_a_fit_without_freedom_has_neither_sigma_nor_ratio);
+    RUN_TEST(test_a_fit_of_exact_intrinsics_stays_as_it_is);
     RUN_TEST(test_an_adjustment_forgets_what_was_considered);
     RUN_TEST(test_the_budget_changes_no_bit);
     RUN_TEST(test_bad_deviations_and_memory_are_refused);

@@ -98,7 +98,7 @@ static void adjust(void)
     size_t n;
 
     for (int i = 0; i < 3; i++) {
-        ASSERT_STATUS(RIGCAL_OK, estimated.considered.is_truncated
+        ASSERT_STATUS(RIGCAL_OK, estimated.considered.loss
                                      ? rigcal_rig_adjust_robust(&fit, &n, NULL, &r.rig)
                                      : rigcal_rig_adjust(&fit, NULL, &r.rig));
     }
@@ -322,6 +322,8 @@ static void test_the_answer_is_that_of_dense_least_squares(void)
         }
         TEST_ASSERT_TRUE(moved > 0.5);
         assert_minimum();
+        ASSERT_NEAR(0, estimated.considered.sum, 0); /* the fit is that of the estimate */
+        ASSERT_NEAR(0, estimated.considered.own_sum, 0);
     }
 }
 
@@ -332,7 +334,7 @@ static void test_points_that_a_robust_adjustment_left_out_do_not_count(void)
     WANTS;
     make(8806);
     r.rig.sigma_px = RC(0.5);
-    estimated.considered.is_truncated = 1;
+    estimated.considered.loss = RIGCAL_LOSS_TRUNCATED;
     for (size_t v = 0; v < r.rig.n_views; v++) {
         const size_t i = 5 * v % 12;
 

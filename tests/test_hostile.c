@@ -1548,15 +1548,23 @@ static const rigcal_symmetries *symmetries_of(const void *is_there, const void *
     return is_there ? &symmetries : NULL;
 }
 
+static const rigcal_rig *rig_considered(void)
+{
+    static const rigcal_considered considered = {.sum = RC(0.2), .own_sum = RC(0.1)};
+    static const rigcal_rig rig = {.considered = &considered};
+
+    return &rig;
+}
+
 static rigcal_considered *considered_of(const void *is_there, void *effects,
-                                        const void *capacity, const void *is_truncated)
+                                        const void *capacity, const void *loss)
 {
     static rigcal_considered considered;
 
     memset(&considered, 0, sizeof considered);
     considered.effects = effects;
     considered.capacity = *(const size_t *)capacity;
-    considered.is_truncated = *(const int32_t *)is_truncated;
+    considered.loss = *(const int32_t *)loss;
     return is_there ? &considered : NULL;
 }
 
@@ -1625,7 +1633,7 @@ static rigcal_estimated *estimated_of(void *const p[])
     estimated.made = p[12];
     estimated.change = p[13];
     estimated.sigma = p[14];
-    estimated.considered.is_truncated = *(const int32_t *)p[17];
+    estimated.considered.loss = *(const int32_t *)p[17];
     return p[9] ? &estimated : NULL;
 }
 
@@ -1777,6 +1785,7 @@ CALL(cause_result, p[0], p[1])
 CALL(rig_consider, considered_of(p[9], p[10], p[11], p[13]), p[12], RIG_WITH(0, deviations))
 CALL(rig_estimate, estimated_of(p), p[15], RIG_WITH(0, deviations), REAL(p[16]))
 CALL(camera_change, p[0], p[1], p[2])
+CALL(considered_fit, p[0], p[1], p[2] ? rig_considered() : NULL)
 CALL(consider_begin, p[12], considered_of(p[9], p[10], p[11], p[13]), RIG_WITH(0, deviations))
 CALL(consider_step, p[0], INT(p[1]))
 CALL(consider_result, p[0], p[1])
@@ -2169,6 +2178,8 @@ static const function FUNCTIONS[] = {
       CHOICE(&INT_0, 0, 0, RIGCAL_ERR_RANGE)}},
     {F(camera_change), 0, DEVICE,
      {OUT(CAMERA, 1), IN(CAMERA, 1, &ok.camera), IN(CHANGE, 1, ok.changes)}},
+    {F(considered_fit), 0, ARGS,
+     {OUT(FIT, 1), IN(FIT, 1, &ok.fit), IN(THERE, 1, &INT_1)}},
     {F(consider_begin), 0, S(STATE) | S(TOO_FEW) | S(CAPACITY) | ARGS,
      {RIG_DONE, IN_OPT(DEVIATION, N_CAMERAS, ok.deviations), IN(THERE, 1, &INT_1), WORK(NUMBER, CONSIDER_WORK),
       ROOM(&SIZE_CONSIDER, CONSIDER_WORK, RIGCAL_ERR_CAPACITY), OUT_PART(CONSIDER_SOLVER, 1),

@@ -144,10 +144,12 @@ static int estimate(tally *t, rigcal_rig_fit *fit)
 static void count(tally *t, rigcal_rig_fit *fit)
 {
     rigcal_considered considered = {.effects = effects, .capacity = WORK};
+    rigcal_rig_fit left;
 
     t->held_without += holds(fit->sigma_px);
-    if (rigcal_rig_consider(&considered, NULL, &b.rig) == RIGCAL_OK) {
-        t->held += holds(fit->sigma_px);
+    if (rigcal_rig_consider(&considered, NULL, &b.rig) == RIGCAL_OK &&
+        rigcal_considered_fit(&left, fit, &b.rig) == RIGCAL_OK) {
+        t->held += holds(left.sigma_px);
     }
     add_errors(&t->turn2, &t->shift2);
     t->F2 += D(fit->F);

@@ -1,5 +1,6 @@
 """calibrate says why the views of a rig disagree, estimates clocks, and considers intrinsics."""
 import os
+import re
 import unittest
 
 import numpy as np
@@ -293,6 +294,17 @@ class TestEstimatedIntrinsics(Recorded):
                 lines[name][f] *= 1 + 0.006 * (-1)**k
             lines[name]["cx"] += 3
         self.record(lines=lines)
+
+    def test_what_they_explain_of_F_does_not_scale_the_covariances(self):
+        self.record_off()
+        said = re.compile(r"multiplied by sqrt\(F\), (\d\.\d+)(.*)")
+        plain = said.search(self.run_recording().stdout)
+        few = said.search(self.run_recording("--intrinsics-sigma", "0.001,0,0,0,0").stdout)
+        self.assertEqual((plain[2], few[2]), ("", ", less what uncertain intrinsics explain of it"))
+        self.assertLessEqual(float(few[1]), float(plain[1]))
+        all_of_it = self.run_recording("--intrinsics-sigma", self.SIGMAS).stdout
+        self.assertIsNone(said.search(all_of_it))
+        self.assertIn("and for intrinsics that are uncertain by", all_of_it)
 
     def test_the_recording_moves_them_towards_the_truth(self):
         self.record_off()

@@ -158,7 +158,7 @@ static void check_intrinsics(fuzz_rig *made, rigcal_real sigma_px, fuzz_bytes *b
     memset(&considered, 0, sizeof considered);
     considered.effects = memory;
     considered.capacity = CONSIDER_WORK;
-    considered.is_truncated = made->rig.sigma_px > 0;
+    considered.loss = made->rig.sigma_px > 0 ? RIGCAL_LOSS_TRUNCATED : 0;
     status = rigcal_rig_consider(&considered, &at_fault, &made->rig);
     PROMISE(fuzz_is_status(status) && status != RIGCAL_RUNNING);
     PROMISE((status < 0) == (made->rig.considered == NULL));
@@ -168,7 +168,7 @@ static void check_intrinsics(fuzz_rig *made, rigcal_real sigma_px, fuzz_bytes *b
     memset(&estimated, 0, sizeof estimated);
     estimated.considered.effects = memory;
     estimated.considered.capacity = CONSIDER_WORK;
-    estimated.considered.is_truncated = considered.is_truncated;
+    estimated.considered.loss = made->rig.sigma_px > 0 ? RIGCAL_LOSS_HUBER : 0;
     estimated.made = change;
     estimated.change = change;
     estimated.sigma = sigma;

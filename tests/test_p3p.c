@@ -507,7 +507,7 @@ static void test_it_finds_what_a_scan_finds(void)
         TEST_ASSERT_EQUAL_INT(count, exact);
         with[count]++;
     }
-    TEST_ASSERT_LESS_THAN_INT(SCENES / TOL(20, 5), left_out);
+    TEST_ASSERT_LESS_OR_EQUAL_INT(SCENES / TOL(20, 5), left_out);
     TEST_ASSERT_GREATER_THAN_INT(0, with[2]);
     TEST_ASSERT_TRUE(with[4] > 0 || TEST_ONE_IN > 1); /* only a few scenes have four */
 }

@@ -995,6 +995,9 @@ static void test_a_fit_without_freedom_has_neither_sigma_nor_ratio(void)
     fit = (rigcal_rig_fit){.sum = 1, .sigma_px = 7};
     ASSERT_STATUS(RIGCAL_OK, rigcal_considered_fit(&fit, &fit, &rig));
     ASSERT_NEAR(0, fit.sigma_px, 0);
+    fit = (rigcal_rig_fit){.sum = RC(1.5), .freedom = 1};
+    ASSERT_STATUS(RIGCAL_OK, rigcal_considered_fit(&fit, &fit, &rig));
+    ASSERT_NEAR(1, fit.sigma_px, TOL(1e-15, 1e-6));
 }
 
 static void test_a_fit_of_exact_intrinsics_stays_as_it_is(void)

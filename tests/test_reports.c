@@ -328,6 +328,28 @@ static void test_the_direction_known_worst_is_that_of_a_matrix_with_known_axes(v
     }
 }
 
+/* Turns are known exactly, so that five of six rows have nothing of the direction. */
+static void test_the_direction_known_worst_may_be_an_axis(void)
+{
+    test_rng rng = test_seed(9);
+
+    WANTS_RIG();
+    for (int worst = 3; worst < 6; worst++) {
+        rigcal_body_report report;
+
+        test_watched_make(&w, &rng, 2, 0, 1e-3, 1e-3);
+        memset(w.Sigma, 0, sizeof w.Sigma);
+        for (int k = 3; k < 6; k++) {
+            w.Sigma[k * (k + 1) / 2 + k] = RC(k == worst ? 4e-6 : 1e-6);
+        }
+        test_watched_begin(&w, 0, NULL);
+        ASSERT_STATUS(RIGCAL_OK, rigcal_monitor_body(&report, w.monitor, 1));
+        for (int k = 0; k < 6; k++) {
+            ASSERT_NEAR(k == worst, fabs(D(report.weakest[k])), TOL(1e-9, 1e-6));
+        }
+    }
+}
+
 /* The frame is exact, and has no direction that is known worst. */
 static void test_an_exact_body_has_no_direction_known_worst(void)
 {
@@ -356,5 +378,6 @@ TEST_MAIN()
     RUN_TEST(test_arrays_that_are_too_small_are_not_written);
     RUN_TEST(test_questions_that_cannot_be_answered_are_refused);
     RUN_TEST(test_the_direction_known_worst_is_that_of_a_matrix_with_known_axes);
+    RUN_TEST(test_the_direction_known_worst_may_be_an_axis);
     RUN_TEST(test_an_exact_body_has_no_direction_known_worst);
 }

@@ -691,6 +691,9 @@ static void test_what_is_no_joint_covariance_has_no_information(void)
     ASSERT_STATUS(RIGCAL_ERR_TOO_FEW, rigcal_priors_information(information, joint, 0));
     ASSERT_STATUS(RIGCAL_ERR_RANGE,
                   rigcal_priors_information(information, joint, RIGCAL_STORE_FREE_MAX + 1));
+    const rigcal_real none[1] = {TEST_NAN}; /* nothing after it is read */
+    ASSERT_STATUS(RIGCAL_ERR_NOT_FINITE,
+                  rigcal_priors_information(information, none, RIGCAL_STORE_FREE_MAX));
     joint[n - 2] = TEST_NAN;
     ASSERT_STATUS(RIGCAL_ERR_NOT_FINITE,
                   rigcal_priors_information(information, joint, N_PRIORS));

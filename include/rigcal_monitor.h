@@ -19,11 +19,11 @@
  *
  * Matches alone do not show the length of a baseline, or the scale of a rig of more
  * cameras. With two cameras they do not show which one moved, unless it turned far: that
- * looks like a shift of the other by many times move_t. But if a camera turned about a point
- * farther from it than the baseline is long, the blame is surer than it should be: with 15
- * cm on a base of 12 cm, 0.99 was right in 81 %. A move that is too small for an alarm is
- * followed instead. Do not choose matches by the calibration that is under test: search a
- * band of several pixels about the line, or track points.
+ * looks like a shift of the other by many times move_t. But if a camera turned about a
+ * point farther from it than the baseline is long, the blame is surer than it should be:
+ * with 15 cm on a base of 12 cm, 0.99 was right in 81 %. A move that is too small for an
+ * alarm is followed instead. Do not choose matches by the calibration that is under test:
+ * search a band of several pixels about the line, or track points.
  *
  * A move or a walk of a camera is a turn about its own centre, and a shift of this centre.
  * The rig may have its origin anywhere: apart from rounding, a monitor says the same. In

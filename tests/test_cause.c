@@ -263,7 +263,7 @@ static void test_of_other_views_the_cause_is_unknown(void)
 static void test_a_camera_is_late(void)
 {
     WANTS_BOARDS;
-    for (int c = 0; c < 4; c++) {
+    for (int c = 0; c < 4; c += TEST_HOST ? 1 : 3) {
         make(3600 + (uint64_t)c, 4, 8);
         test_boards_late(&b, c);
         judge();
@@ -481,6 +481,7 @@ static void test_the_view_with_which_most_agree_may_be_any(void)
     static const double ONE[3] = {0, 0, 1};
     double step = 1e-5;
 
+    TEST_ON_HOST_ONLY("a hundred answers until two are left");
     WANTS_BOARDS;
     make(4100, 3, 3);
     ASSERT_STATUS(RIGCAL_OK, judged());

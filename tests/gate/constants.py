@@ -32,7 +32,7 @@ GATE = pathlib.Path("tests/gate/gate.c")
 DOCUMENT = ROOT / "CONSTANTS.md"
 FLAGS = ["-O1", "-std=c99", "-ffp-contract=off", "-DRIGCAL_BUILD",
          "-DRIGCAL_CONFIG_FILE=<count_hooks.h>"]
-SAMPLE, SEED = 6, 20  # How many constants --check changes, and which.
+SAMPLE, SEED = 3, 20  # How many constants --check changes, and which.
 JOBS = 2
 LIMIT = 120  # seconds of a run of the gate, after which it hangs
 

@@ -7,7 +7,7 @@
 #   large    target, and those that 32 KB of RAM are too little for
 #   one one test: only the build is tested
 #
-# Every layer runs on a target of each kind:
+# Every layer runs with soft float, with hard float, in double, and on hosts:
 #
 #   soft float         cortex-m0: all that fit in its RAM; rv32imac: large, the others.
 #                      Both libraries are built for size

@@ -44,8 +44,8 @@ gcc-float-O3  gcc,cmake,unity,build/gcc-float
               preset_build gcc-float && relinked gcc-float-O3 gcc-float gcc
 clang-double  gcc,clang,cmake,unity,build/gcc-double
               preset_build gcc-double && clang_library clang-double gcc-double
-clang-float   gcc,clang,cmake,unity,build/gcc-float
-              preset_build gcc-float && clang_library clang-float gcc-float
+clang-float   gcc,clang,cmake,unity
+              clang_library clang-float gcc-float
 shared        gcc,cmake,unity              preset shared-tests
 single-file   gcc,g++,clang,cmake,unity,python,build/gcc-double,build/gcc-float
               preset_build gcc-double && preset_build gcc-float && sh tests/ways/single_file.sh

@@ -5,7 +5,7 @@ times the file.
     python3 tests/long/lines.py              10 000, 100 000 and 1 000 000 lines, in some 10 minutes;
                                              writes tests/long/lines.md. It goes on where the last
                                              run of the same program and script ended
-    python3 tests/long/lines.py short        10 000 and 100 000; of --method paper 1 000 and 10 000
+    python3 tests/long/lines.py short        5 000 and 50 000; of --method paper 1 000 and 10 000
     python3 tests/long/lines.py --only NAME  of the kinds of file whose names contain NAME; prints
 
 Build the preset gcc-double first, or name another program by --rigcal. Each kind of file is
@@ -268,7 +268,7 @@ def write_table(rows: list[str], commit: str) -> None:
 
 def lengths_of(kind: Kind, is_short: bool) -> list[int]:
     if is_short:
-        return [1000, 10000] if "paper" in kind.name else [10000, 100000]
+        return [1000, 10000] if "paper" in kind.name else [5000, 50000]
     return [n for n in (10000, 100000, 1000000) if n <= kind.longest]
 
 

@@ -134,7 +134,7 @@ def draw_sees(out):
 
     axis = axes[0, 0]
     panel(axis, "Two cameras, matched points", "turns, and shifts across the baseline",
-          "the length of the baseline;\nwhich of the two moved")
+          "the length of the baseline;\nwhich of the two moved, unless it turned far")
     rays(axis, [(-0.9, 0), (0.9, 0)], near)
     camera(axis, -0.9, 0, (0, 2), "a")
     camera(axis, 0.9, 0, (0, 2), "b")

@@ -29,7 +29,7 @@
  * The rig may have its origin anywhere: apart from rounding, a monitor says the same. In
  * float, with the cameras 1 to 3 apart, an origin at 12 changed poses by 0.003 of their
  * standard deviations, and an origin at 1000 by 0.3. A target turns about its own origin;
- * its largest shift is move_rad times its distance from the frame.
+ * its largest shift is a tenth of move_rad times its distance from the frame, or move_t.
  *
  * EQUATIONS.md MONITOR has the mathematics. */
 #ifndef RIGCAL_H

@@ -9,12 +9,20 @@
 #include "rc_alarm.h"
 #include "rc_filter.h"
 
+/* ---- constants ----------------------------------------------------------- */
+
+/* part of a distance: the shift that goes with a turn of one radian. The distance is the
+ * mean one between cameras, or that of a target from the frame. */
+#define RC_LEVER RC(0.1)
+
+/* ---- trials -------------------------------------------------------------- */
+
 /* Numbers of a trial: the move (w, ds), the factors of its covariance, and the sum of logs.
  * They lie in the memory that the alarm lends. */
 enum { RC_TRIAL_MOVE = 0, RC_TRIAL_UD = 6, RC_TRIAL_LOG = 27, RC_TRIAL_SIZE = 28 };
 
-/* The variance of a body's shift if it makes the largest move: q_t of a camera. A target
- * may shift as far as a turn of the frame shifts what it sees there. */
+/* The variance of a body's shift if it makes the largest move: q_t of a camera. To that of a
+ * target its distance adds, times RC_LEVER and the turn. */
 rigcal_real rc_trial_shift(const rc_filter *f, size_t body, rigcal_real q_rad,
                            rigcal_real q_t);
 

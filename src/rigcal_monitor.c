@@ -44,10 +44,6 @@
 /* rad: the most that the largest move may be. Beyond it the pose must be solved anew. */
 #define MOVE_MOST RC(0.5)
 
-/* part of the mean distance between cameras: the default length that goes with a turn of
- * one radian. */
-#define LEVER RC(0.1)
-
 /* rad per square root of a second: the fastest random walk. A rig that moves more is not
  * calibrated. */
 #define WALK_MOST RC(1)
@@ -346,7 +342,7 @@ static void begin_head(rc_monitor_head *head, const rigcal_calibrated_rig *rig,
     head->walk_t = options->walk_t;
     head->move_rad = options->move_rad;
     head->move_t = options->move_t > 0 ? options->move_t
-                                       : options->move_rad * LEVER * mean_distance(rig);
+                                       : options->move_rad * RC_LEVER * mean_distance(rig);
     head->numbers[0] = rig->sigma_px;
     head->numbers[1] = rig->F;
     head->numbers[2] = rig->freedom_between;

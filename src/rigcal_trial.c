@@ -36,6 +36,7 @@ rigcal_real rc_trial_shift(const rc_filter *f, size_t body, rigcal_real q_rad,
         return q_t;
     }
     rc_transform_between(&body_from_frame, &f->poses[body], &f->poses[f->frame]);
+    rc_vec3_scale(body_from_frame.t, RC_LEVER, body_from_frame.t);
     return q_t + q_rad * rc_vec3_dot(body_from_frame.t, body_from_frame.t);
 }
 

@@ -243,7 +243,8 @@ static void test_a_trial_begins_with_the_share_of_the_evidence(void)
         test_transform_parts(R, t, &poses[BODIES - 1]); /* the frame is at 0 */
         for (int b = 0; b < BODIES; b++) {
             const rigcal_real *const trial = &dirty[b * RC_ALARM_BODY];
-            const double shift = b < BODIES - 1 ? 0.25 : 0.25 + 0.0625 * test_dot(t, t);
+            const double shift =
+                b < BODIES - 1 ? 0.25 : 0.25 + 0.0625 * 0.01 * test_dot(t, t);
             const double log = LOGS[(b + first) % BODIES];
             rigcal_transform pose;
             rigcal_real Sigma[36];

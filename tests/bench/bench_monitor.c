@@ -247,18 +247,6 @@ static void seen_frame(rigcal_monitor_report *report, test_rng *rng, double wron
     (void)rigcal_monitor_frame(report, w.monitor, (rigcal_real)SECONDS);
 }
 
-/* Lets a move turn the tag about the rig's origin, to which t points. A turn about its own
- * centre would hardly be seen. */
-static void hinge(double d[6], const watched_pose *tag)
-{
-    const double *const t = tag->t;
-
-    for (int k = 0; k < 3; k++) {
-        const int i = (k + 1) % 3, j = (k + 2) % 3;
-        d[3 + k] = t[i] * d[j] - t[j] * d[i];
-    }
-}
-
 /* Turns a body after a number of frames at rest, and answers 15 frames after the alarm. */
 static int blame_one(int *body, int *sure, double *confidence, const blame_case *c, int r)
 {
@@ -288,9 +276,6 @@ static int blame_one(int *body, int *sure, double *confidence, const blame_case 
     const double scale = c->degrees * DEGREE / test_norm(d);
     for (int k = 0; k < 3; k++) {
         d[k] *= scale;
-    }
-    if (*body == c->cameras) {
-        hinge(d, &w.truth[*body]);
     }
     test_watched_bump(&w, *body, d);
     int f = 0;

@@ -21,8 +21,8 @@
  * They lie in the memory that the alarm lends. */
 enum { RC_TRIAL_MOVE = 0, RC_TRIAL_UD = 6, RC_TRIAL_LOG = 27, RC_TRIAL_SIZE = 28 };
 
-/* The variance of a body's shift if it makes the largest move: q_t of a camera. To that of a
- * target its distance adds, times RC_LEVER and the turn. */
+/* The variance of a body's shift if it makes the largest move: q_t of a camera. For a
+ * target its distance from the frame, times RC_LEVER and the turn, adds to it. */
 rigcal_real rc_trial_shift(const rc_filter *f, size_t body, rigcal_real q_rad,
                            rigcal_real q_t);
 

@@ -21,15 +21,16 @@
  * cameras. With two cameras they do not show which one moved, unless it turned far: that
  * looks like a shift of the other by many times move_t. But if a camera turned about a
  * point farther from it than the baseline is long, the blame is surer than it should be:
- * with 15 cm on a base of 12 cm, 0.99 was right in 81 %. A move that is too small for an
- * alarm is followed instead. Do not choose matches by the calibration that is under test:
- * search a band of several pixels about the line, or track points.
+ * with 15 cm on a base of 12 cm, a blame of 0.99 was right in 81 %. A move that is too
+ * small for an alarm is followed instead. Do not choose matches by the calibration that is
+ * under test: search a band of several pixels about the line, or track points.
  *
  * A move or a walk of a camera is a turn about its own centre, and a shift of this centre.
  * The rig may have its origin anywhere: apart from rounding, a monitor says the same. In
  * float, with the cameras 1 to 3 apart, an origin at 12 changed poses by 0.003 of their
- * standard deviations, and an origin at 1000 by 0.3. A target turns about its own origin;
- * its largest shift is a tenth of move_rad times its distance from the frame, or move_t.
+ * standard deviations, and an origin at 1000 by 0.3. A target turns about its own origin,
+ * and may shift farther than move_t: by a tenth of move_rad times its distance from the
+ * frame.
  *
  * EQUATIONS.md MONITOR has the mathematics. */
 #ifndef RIGCAL_H

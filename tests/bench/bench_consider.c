@@ -61,23 +61,6 @@ static rigcal_intrinsics_sigma times(double by)
     return s;
 }
 
-/* The intrinsics that are assumed, drawn about those of the camera that took the
- * pictures. */
-static rigcal_camera drawn(test_rng *rng, const rigcal_intrinsics_sigma *s)
-{
-    rigcal_camera c = b.camera;
-    const double focal = D(s->focal) * test_normal(rng);
-    const double aspect = D(s->aspect) * test_normal(rng);
-
-    c.fx = RC(D(c.fx) * (1 + focal + aspect / 2));
-    c.fy = RC(D(c.fy) * (1 + focal - aspect / 2));
-    c.cx = RC(D(c.cx) + D(s->centre) * test_normal(rng));
-    c.cy = RC(D(c.cy) + D(s->centre) * test_normal(rng));
-    c.k1 = RC(D(c.k1) + D(s->k1) * test_normal(rng));
-    c.k2 = RC(D(c.k2) + D(s->k2) * test_normal(rng));
-    return c;
-}
-
 /* The number of cameras, besides the frame, that are within their ellipsoids. */
 static int holds(rigcal_real sigma_px)
 {
@@ -168,7 +151,7 @@ static tally run(const campaign *c, int number, int rigs)
 
         test_boards_make(&b, &rng, CAMERAS, c->places, CAMERAS, NOISE, 0);
         for (int k = 0; k < CAMERAS; k++) {
-            lens[k] = drawn(&rng, &off);
+            lens[k] = test_boards_lens(&b, &rng, &off);
             sigmas[k] = times(c->claimed);
         }
         for (size_t v = 0; v < b.rig.n_views; v++) {

@@ -27,9 +27,9 @@ and of these the first by the seed; recorded.csv names mutant and test. A file w
 has none in CI. Where it is gone from the source, the first by the seed takes its place.
 
 Build the preset gcc-double first, and for campaigns asan with all trials
-(cmake --preset asan -DRIGCAL_TEST_ONE_IN=1). Results are appended to build/mutation/results.csv: a run
-that was ended goes on where it was. A mutant runs again when its file changed, or when it
-survived and a test changed.
+(cmake --preset asan -DRIGCAL_TEST_ONE_IN=1). Results are appended to
+build/mutation/results.csv: a run that was ended goes on where it was. A mutant runs again
+when its file changed, or when it survived and a test changed.
 """
 import argparse
 import collections

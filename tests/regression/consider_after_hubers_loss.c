@@ -20,26 +20,12 @@ static rigcal_intrinsics_sigma sigmas[CAMERAS];
 static rigcal_real effects[WORK];
 static rigcal_rig_solver solver;
 
-static void draw(rigcal_camera *c, test_rng *rng)
-{
-    const double focal = D(STATED.focal) * test_normal(rng);
-    const double aspect = D(STATED.aspect) * test_normal(rng);
-
-    *c = b.camera;
-    c->fx = RC(D(c->fx) * (1 + focal + aspect / 2));
-    c->fy = RC(D(c->fy) * (1 + focal - aspect / 2));
-    c->cx = RC(D(c->cx) + D(STATED.centre) * test_normal(rng));
-    c->cy = RC(D(c->cy) + D(STATED.centre) * test_normal(rng));
-    c->k1 = RC(D(c->k1) + D(STATED.k1) * test_normal(rng));
-    c->k2 = RC(D(c->k2) + D(STATED.k2) * test_normal(rng));
-}
-
 /* Intrinsics that are off as stated, and 15 % of the points off by 30 px. */
 static void make(test_rng *rng)
 {
     test_boards_make(&b, rng, CAMERAS, PLACES, CAMERAS, NOISE, 0);
     for (int c = 0; c < CAMERAS; c++) {
-        draw(&lens[c], rng);
+        lens[c] = test_boards_lens(&b, rng, &STATED);
         sigmas[c] = STATED;
     }
     for (size_t v = 0; v < b.rig.n_views; v++) {

@@ -18,20 +18,6 @@ static rigcal_camera lens[CAMERAS];
 static rigcal_intrinsics_sigma sigmas[CAMERAS];
 static rigcal_real effects[WORK];
 
-static void draw(rigcal_camera *c, test_rng *rng)
-{
-    const double focal = D(STATED.focal) * test_normal(rng);
-    const double aspect = D(STATED.aspect) * test_normal(rng);
-
-    *c = b.camera;
-    c->fx = RC(D(c->fx) * (1 + focal + aspect / 2));
-    c->fy = RC(D(c->fy) * (1 + focal - aspect / 2));
-    c->cx = RC(D(c->cx) + D(STATED.centre) * test_normal(rng));
-    c->cy = RC(D(c->cy) + D(STATED.centre) * test_normal(rng));
-    c->k1 = RC(D(c->k1) + D(STATED.k1) * test_normal(rng));
-    c->k2 = RC(D(c->k2) + D(STATED.k2) * test_normal(rng));
-}
-
 static void calibrate(test_rng *rng, double noise_px, rigcal_rig_fit *fit,
                       rigcal_rig_fit *left)
 {
@@ -39,7 +25,7 @@ static void calibrate(test_rng *rng, double noise_px, rigcal_rig_fit *fit,
 
     test_boards_make(&b, rng, CAMERAS, PLACES, CAMERAS, noise_px, 0);
     for (int c = 0; c < CAMERAS; c++) {
-        draw(&lens[c], rng);
+        lens[c] = test_boards_lens(&b, rng, &STATED);
         sigmas[c] = STATED;
     }
     for (size_t v = 0; v < b.rig.n_views; v++) {

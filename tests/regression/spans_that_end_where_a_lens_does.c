@@ -14,6 +14,11 @@
 
 enum { SIDE = 90 };
 
+static rigcal_spans_solver solver;
+static rigcal_span spans[4 * SIDE];
+
+#define WANTS_SPANS() TEST_WANTS_RAM(sizeof solver + sizeof spans + 4000)
+
 /* A pixel this close to the border depends on rounding. */
 #define CLOSE TOL(1e-7, 2e-3)
 
@@ -56,7 +61,7 @@ static void make(test_bands *scene, uint64_t seed)
 }
 
 /* Every pixel of the band must be in a span. Returns how many there are. */
-static int assert_none_missed(const test_bands *scene, const rigcal_span spans[], size_t n)
+static int assert_none_missed(const test_bands *scene, size_t n)
 {
     int n_inside = 0;
     test_ray a;
@@ -82,23 +87,27 @@ static int assert_none_missed(const test_bands *scene, const rigcal_span spans[]
     return n_inside;
 }
 
+static rigcal_status find(test_bands *scene, size_t *n, uint64_t seed)
+{
+    rigcal_band band;
+
+    make(scene, seed);
+    ASSERT_STATUS(RIGCAL_OK, rigcal_band_make(&band, &scene->pair, scene->uv_a));
+    return rigcal_spans_find(spans, 4 * SIDE, n, &solver, &band);
+}
+
 static void test_no_pixel_is_missed(void)
 {
     static const uint64_t SEED[] = {6155,  18016, 40781, 64977, 131846, 142086, 156402,
                                     28714, 60600, 67225, 70758, 182220, 298033};
-    static rigcal_spans_solver solver;
-    static rigcal_span spans[4 * SIDE];
 
-    TEST_WANTS_RAM(sizeof solver + sizeof spans + 4000);
+    WANTS_SPANS();
     for (size_t i = 0; i < TEST_TRIALS(sizeof SEED / sizeof SEED[0]); i++) {
         test_bands scene;
-        rigcal_band band;
         size_t n;
 
-        make(&scene, SEED[i]);
-        ASSERT_STATUS(RIGCAL_OK, rigcal_band_make(&band, &scene.pair, scene.uv_a));
-        ASSERT_STATUS(RIGCAL_OK, rigcal_spans_find(spans, 4 * SIDE, &n, &solver, &band));
-        TEST_ASSERT_GREATER_THAN_INT(40, assert_none_missed(&scene, spans, n));
+        ASSERT_STATUS(RIGCAL_OK, find(&scene, &n, SEED[i]));
+        TEST_ASSERT_GREATER_THAN_INT(40, assert_none_missed(&scene, n));
     }
 }
 
@@ -107,20 +116,14 @@ static void test_a_band_that_leaps_over_the_end_of_the_lens_has_no_pixel(void)
 {
     static const uint64_t SEED[] = {1409,   201709, 202165, 202869, 206313,
                                     210112, 214370, 219713, 223775};
-    static rigcal_spans_solver solver;
-    static rigcal_span spans[4 * SIDE];
 
-    TEST_WANTS_RAM(sizeof solver + sizeof spans + 4000);
+    WANTS_SPANS();
     for (size_t i = 0; i < TEST_TRIALS(sizeof SEED / sizeof SEED[0]); i++) {
         test_bands scene;
-        rigcal_band band;
         size_t n;
 
-        make(&scene, SEED[i]);
-        ASSERT_STATUS(RIGCAL_OK, rigcal_band_make(&band, &scene.pair, scene.uv_a));
-        TEST_ASSERT_EQUAL_INT(0, assert_none_missed(&scene, spans, 0));
-        ASSERT_STATUS(RIGCAL_ERR_OUTSIDE,
-                      rigcal_spans_find(spans, 4 * SIDE, &n, &solver, &band));
+        ASSERT_STATUS(RIGCAL_ERR_OUTSIDE, find(&scene, &n, SEED[i]));
+        TEST_ASSERT_EQUAL_INT(0, assert_none_missed(&scene, 0));
     }
 }
 

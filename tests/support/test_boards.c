@@ -179,6 +179,22 @@ void test_boards_late(test_boards *b, int camera)
     b->rig.n_views = n;
 }
 
+rigcal_camera test_boards_lens(const test_boards *b, test_rng *rng,
+                               const rigcal_intrinsics_sigma *sigma)
+{
+    rigcal_camera c = b->camera;
+    const double focal = D(sigma->focal) * test_normal(rng);
+    const double aspect = D(sigma->aspect) * test_normal(rng);
+
+    c.fx = RC(D(c.fx) * (1 + focal + aspect / 2));
+    c.fy = RC(D(c.fy) * (1 + focal - aspect / 2));
+    c.cx = RC(D(c.cx) + D(sigma->centre) * test_normal(rng));
+    c.cy = RC(D(c.cy) + D(sigma->centre) * test_normal(rng));
+    c.k1 = RC(D(c.k1) + D(sigma->k1) * test_normal(rng));
+    c.k2 = RC(D(c.k2) + D(sigma->k2) * test_normal(rng));
+    return c;
+}
+
 void test_boards_solve_view(test_boards *b, int v)
 {
     rigcal_pose poses[RIGCAL_POSES_MAX];

@@ -54,6 +54,11 @@ void test_boards_swap(test_boards *b, int v, int other);
  * before, and its first view is removed. The camera must see all placements. */
 void test_boards_late(test_boards *b, int camera);
 
+/* Intrinsics as they are assumed: those of the camera that took the pictures, off by
+ * numbers drawn with these standard deviations. */
+rigcal_camera test_boards_lens(const test_boards *b, test_rng *rng,
+                               const rigcal_intrinsics_sigma *sigma);
+
 /* The pose of every view by itself; of view v alone; and all cameras and placements at the
  * truth, in place of joined ones. */
 void test_boards_solve(test_boards *b);

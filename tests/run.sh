@@ -40,8 +40,6 @@ rv32imafc     riscv,cmake,unity,build/rv32imafc
               preset rv32imafc
 mips          mips,cmake,unity             preset mips
 mips-double   mips,cmake,unity             preset mips-double
-gcc-float-O3  gcc,cmake,unity,build/gcc-float
-              preset_build gcc-float && relinked gcc-float-O3 gcc-float gcc
 clang-double  gcc,clang,cmake,unity,build/gcc-double
               preset_build gcc-double && clang_library clang-double gcc-double
 clang-float   gcc,clang,cmake,unity
@@ -86,7 +84,8 @@ rig-ceres     gcc,g++,cmake,make,ceres,unity
 mutation      gcc,cmake,unity,python,build/gcc-double
               preset_build gcc-double && $PYTHON tests/mutation/mutate.py
 constants     gcc,python                   $PYTHON tests/gate/constants.py --check
-symbols       gcc,python                   $PYTHON tests/checks/check_symbols.py
+symbols       gcc,cmake,unity,python,build/gcc-double,build/gcc-float
+              preset_build gcc-double && preset_build gcc-float && $PYTHON tests/checks/check_symbols.py
 vectors       numpy,scipy                  $PYTHON tests/vectors/make_vectors.py --check
 tidy          gcc,clang-tidy               sh tests/checks/check_tidy.sh
 callgraph     gcc,arm,python
@@ -169,7 +168,7 @@ want_need() {
         want libc6-dev-mips-cross test -e /usr/mips-linux-gnu/include/stdio.h
         want qemu-user qemu-mips --version
         ;;
-    mingw) want gcc-mingw-w64-x86-64 x86_64-w64-mingw32-gcc --version ;;
+    mingw) want gcc-mingw-w64-x86-64-win32 x86_64-w64-mingw32-gcc --version ;;
     time) want time /usr/bin/time --version ;;
     python) needs_python=yes ;;
     numpy | scipy)

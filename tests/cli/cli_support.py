@@ -18,6 +18,7 @@ ROOT = os.environ.get("RIGCAL_ROOT") or os.path.dirname(os.path.dirname(
     os.path.dirname(os.path.abspath(__file__))))
 BIN = os.environ.get("RIGCAL_BIN") or os.path.join(
     ROOT, "build", "gcc-double", "rigcal")
+SANITIZED = "asan" in os.path.basename(os.path.dirname(os.path.abspath(BIN)))
 STEREO = os.path.join(ROOT, "examples", "data", "opencv_stereo")
 CAVITY = os.path.join(ROOT, "examples", "data", "openptv_cavity")
 STEPPED = os.path.join(ROOT, "examples", "data", "myptv_stepped")

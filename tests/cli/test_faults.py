@@ -10,11 +10,11 @@ import signal
 import subprocess
 import unittest
 
-from cli_support import (BIN, OUTPUTS, STEREO, CliTest, measured, read, rigcal, sound,
+from cli_support import (BIN, OUTPUTS, SANITIZED, STEREO, CliTest, measured, read, rigcal, sound,
                          with_fault, write)
 
 ALL = os.environ.get("RIGCAL_ALL_FAULTS") == "1"
-STRIDE = 4 if "asan" in BIN and not ALL else 1  # calls: a run takes ten times as long there
+STRIDE = 4 if SANITIZED and not ALL else 1  # calls: a run takes ten times as long there
 ERRORS = [errno.ENOSPC, errno.EIO, errno.EACCES]
 SIGNALS = [signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGPIPE, signal.SIGKILL]
 VANISH = -1000
@@ -136,7 +136,7 @@ class TestFaultsOfCalibrate(Sweep):
                                              f"{os.strerror(errno.EFBIG)}; no file was written")
                 self.assertEqual(self.files(), before)
 
-    @unittest.skipIf("asan" in BIN, "the sanitizer itself takes more address space")
+    @unittest.skipIf(SANITIZED, "the sanitizer itself takes more address space")
     def test_the_memory_is_full_after_so_many_bytes(self):
         before, n_failed, run = self.prepare(False), 0, None
         for most in range(2 << 20, 64 << 20, 1 << 12 if ALL else 1 << 15):

@@ -8,9 +8,8 @@ import os
 import random
 import unittest
 
-from cli_support import BIN, OUTPUTS, STEREO, CliTest, rigcal, write
+from cli_support import OUTPUTS, SANITIZED, STEREO, CliTest, rigcal, write
 
-SANITIZED = "asan" in os.path.basename(os.path.dirname(os.path.abspath(BIN)))
 RUNS = int(os.environ.get("RIGCAL_MUTATIONS") or (2000 if SANITIZED else 200))
 WORDS = [b"", b"nan", b"inf", b"-inf", b"1e999", b"-0", b"1e-320", b"0x1p3", b"abc", b"\"", b"\"a,b\"", b"\xff\xfe",
          b"\xef\xbb\xbf", b"\x00", b" ", b"#", b"-1", b"4294967296", b"99999999999999999999", b"1.7e308", b"left", b"01"]

@@ -1,7 +1,7 @@
 #!/bin/sh
 # The functions of port/cmsis_dsp: their table, how far they are off, every test of
-# the float build (build/gcc-float) with them in place of libm's, and that a Cortex-M4F
-# calls no other.
+# the float build (build/gcc-float) with them in place of libm's in a library built with -O3,
+# and that a Cortex-M4F calls no other.
 #
 #   sh tests/ways/hooks.sh [FOLDER]     builds in FOLDER, build/hooks
 set -eu
@@ -29,9 +29,7 @@ for cc in gcc clang; do
 done
 
 gcc $strict -I$port -c $port/rigcal_tables.c -o "$out/rigcal_tables.o"
-cmake -G Ninja -S . -B "$out/library" -DCMAKE_C_COMPILER=gcc -DCMAKE_BUILD_TYPE=RelWithDebInfo \
-    -DRIGCAL_WERROR=ON -DRIGCAL_REAL=float -DRIGCAL_BUILD_EXAMPLES=OFF \
-    -DRIGCAL_CONFIG_FILE=$port/rigcal_config_cmsis_dsp.h
+cmake --preset hooks -B "$out/library"
 cmake --build "$out/library"
 sh tests/ways/relink.sh build/gcc-float "$out/tests" gcc "$out/library/librigcal.a" \
     "$out/rigcal_tables.o"
@@ -50,4 +48,4 @@ if [ -n "$wanted" ]; then
     echo "$wanted"
     exit 1
 fi
-echo "sine, cosine and root of port/cmsis_dsp, every float test with them"
+echo "sine, cosine and root of port/cmsis_dsp, every float test with them and -O3"

@@ -5,6 +5,9 @@
 #   sh tests/run.sh STEP...    runs only the steps named (first column below), and
 #                              installs only what these need
 #
+# What the first step needs is installed first. What is still missing then is installed while
+# steps run that do not need it.
+#
 # Prints one line for each step when it ends. Its log is build/logs/STEP.log. One step more
 # than there are cores runs at a time, because steps wait for disks and networks too; but at
 # most four. RIGCAL_LANES sets another number.
@@ -206,10 +209,20 @@ asked=${*:-$known}
 
 needs_python=
 modules=
-needs=$(echo "$steps" | awk -v asked=" $asked " 'index(asked, " " $1 " ") {print $2}' |
-    tr ',' '\n' | sort -u)
+asked_steps=$(echo "$steps" | awk -v asked=" $asked " 'index(asked, " " $1 " ")')
+needs=$(echo "$asked_steps" | awk '{print $2}' | tr ',' '\n' | sort -u)
+first=$(echo "$asked_steps" | awk 'NR == 1 {print $2}')
+later=
 for need in $needs; do
+    before=$missing
     want_need "$need"
+    case ",$first," in
+    *",$need,"*) ;;
+    *)
+        later="$later${missing#"$before"}"
+        missing=$before
+        ;;
+    esac
 done
 # shellcheck disable=SC2086 -- a list of modules
 if [ -n "$needs_python" ] && ! find_python $modules >/dev/null; then
@@ -218,6 +231,7 @@ if [ -n "$needs_python" ] && ! find_python $modules >/dev/null; then
         missing="$missing python3-$module"
     done
 fi
+[ -z "$later" ] || echo "beside the first steps:$later"
 install_missing || exit 1
 
 # A bare chroot has no /proc.
@@ -261,8 +275,28 @@ export CMAKE_BUILD_PARALLEL_LEVEL="$jobs" CTEST_PARALLEL_LEVEL="$jobs"
 # Steps read and copy the sources, so no new files may appear among them.
 export PYTHONDONTWRITEBYTECODE=1
 
-echo "$steps" | awk -v asked=" $asked " 'index(asked, " " $1 " ")' >"$state/steps"
+echo "$asked_steps" >"$state/steps"
 began=$(date +%s)
+if [ -n "$later" ]; then
+    # Which steps have to wait: those with a need for which a package is missing.
+    mkdir "$state/waiting" || exit 1
+    for need in $needs; do
+        before=$missing
+        want_need "$need"
+        [ "$missing" = "$before" ] || echo "$need"
+    done >"$state/lacking"
+    awk 'NR == FNR {lacks[$1]; next}
+         {n = split($2, need, ","); for (i = 1; i <= n; i++) if (need[i] in lacks) {print $1; break}}
+        ' "$state/lacking" "$state/steps" | while read -r name; do
+        : >"$state/waiting/$name"
+    done
+    missing=$later
+    {
+        # What fails is said, and the steps that need it fail.
+        install_missing
+        rm -rf "$state/waiting"
+    } &
+fi
 run_steps "$lanes" "$state/steps" || exit 1
 
 passed=0

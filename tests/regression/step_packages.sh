@@ -28,13 +28,15 @@ asked() {
     : >"$ASKED"
     PATH=$out/bin HOME=$out XDG_CACHE_HOME=$out sh tests/run.sh "$@" \
         >"$out/said.txt" 2>&1 || true
+    sed -n 's/^beside the first steps: //p' "$out/said.txt" | tr ' ' '\n' >>"$ASKED"
     grep -vE '^(python3|libc6-dev)' "$ASKED" | sort -u | tr '\n' ' ' | sed 's/ $//'
 }
 
 expect() {
     step=$1
     shift
-    found=$(asked "$step")
+    # shellcheck disable=SC2086 -- one step or more
+    found=$(asked $step)
     if [ "$found" != "$*" ]; then
         echo "step_packages: $step asks for \"$found\", not for \"$*\""
         bad=1
@@ -49,6 +51,12 @@ expect cross $arm
 expect gcc-double cmake gcc ninja-build xz-utils
 expect cppcheck cppcheck
 expect ffi cmake gcc ninja-build rustc
+# shellcheck disable=SC2086 -- several packages
+expect "cppcheck cross" cppcheck $arm
+grep -qx "beside the first steps: $arm" "$out/said.txt" || {
+    echo "step_packages: these are not installed beside the first step: $arm"
+    bad=1
+}
 expect mips cmake gcc-mips-linux-gnu ninja-build qemu-user xz-utils
 
 # Each step by itself, and all steps.

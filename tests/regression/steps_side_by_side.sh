@@ -50,6 +50,25 @@ END
     [ -z "$(ls "$state/held")" ] || complain "$lanes lanes: folders are still held"
 done
 
+# A step that has to wait begins when it may, the others before.
+rm -rf "$state"
+mkdir -p "$state/waiting"
+: >"$log"
+: >"$state/waiting/try-1"
+for n in 1 2; do
+    echo "try-$n nothing echo $n >>$log"
+done >"$state/steps"
+{
+    until grep -q 2 "$log"; do
+        sleep 1
+    done
+    echo "may begin" >>"$log"
+    rm -r "$state/waiting"
+} &
+run_steps 1 "$state/steps" >"$out/said.txt" 2>&1
+[ "$(tr '\n' ' ' <"$log")" = "2 may begin 1 " ] ||
+    complain "a step did not wait: $(cat "$log")"
+
 # A signal while two steps wait for their programs.
 rm -rf "$state"
 mkdir "$state"

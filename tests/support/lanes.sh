@@ -8,6 +8,8 @@
 # NEEDS, a list with commas, may name folders, build/NAME: no two steps that need the same
 # one run at the same time.
 #
+# A step for which there is a file "$state/waiting/NAME" begins when that is gone.
+#
 # mkdir makes a folder once, whoever asks: "$state/taken/NAME" is made by the lane that runs
 # the step, "$state/held/FOLDER" by the lane whose step needs build/FOLDER.
 
@@ -100,7 +102,7 @@ lane() {
         left=
         while read -r name needs command <&3; do
             [ ! -e "$state/taken/$name" ] || continue
-            if ! hold "$needs"; then
+            if [ -e "$state/waiting/$name" ] || ! hold "$needs"; then
                 left=later
                 continue
             fi

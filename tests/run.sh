@@ -273,7 +273,7 @@ lanes=$((count < most ? count : most))
 jobs=$(((cores + lanes - 1) / lanes))
 export CMAKE_BUILD_PARALLEL_LEVEL="$jobs" CTEST_PARALLEL_LEVEL="$jobs"
 # Steps read and copy the sources, so no new files may appear among them.
-export PYTHONDONTWRITEBYTECODE=1
+export PYTHONPYCACHEPREFIX="$PWD/build/pycache"
 
 echo "$asked_steps" >"$state/steps"
 began=$(date +%s)

@@ -8,14 +8,15 @@ cd "$(dirname "$0")/../../.."
 mkdir -p "${1:-build/python}"
 out=$(cd "${1:-build/python}" && pwd)
 here=port/python
-export PYTHONDONTWRITEBYTECODE=1 PIP_DISABLE_PIP_VERSION_CHECK=1
+# Python compiles what is imported, not pip all there is; none of it lies among the sources.
+export PYTHONPYCACHEPREFIX="$out/pycache" PIP_DISABLE_PIP_VERSION_CHECK=1
 
 # The tools in fixed versions, kept while these are the same.
 bin=$out/venv/bin
 if ! cmp -s $here/tests/requirements.txt "$out/requirements.txt" || ! [ -x "$bin/ruff" ]; then
     rm -rf "${out:?}/venv"
     /usr/bin/python3 -m venv "$out/venv"
-    "$bin/pip" -q install -r $here/tests/requirements.txt
+    "$bin/pip" -q install --no-compile -r $here/tests/requirements.txt
     cp $here/tests/requirements.txt "$out"
 fi
 
@@ -29,7 +30,7 @@ if [ "$size" -gt 409600 ]; then
     echo "$wheel has $size bytes, more than 400 KB"
     exit 1
 fi
-"$bin/pip" -q install --force-reinstall --no-deps "$wheel"
+"$bin/pip" -q install --no-compile --force-reinstall --no-deps "$wheel"
 
 # The sdist must build by itself: it is unpacked where no checkout is above it.
 "$bin/python" -m build -q --no-isolation --sdist -o "$out/sdist" $here

@@ -25,8 +25,8 @@ mkdir -p "$log"
 rm -f "$log"/*.md "$log/bad.txt"
 reader="store bytes camera lens transform rotation linalg calibrated joint intrinsics"
 
-commit=$(git rev-parse --short HEAD)
-git diff --quiet HEAD -- src include tests/proof || commit="$commit with changes"
+. tests/support/packages.sh
+commit=$(commit_of src include tests/proof)
 
 complain() {
     printf 'proof: %s\n' "$*" | tee -a "$log/bad.txt"

@@ -3,6 +3,8 @@
 #   want PACKAGE COMMAND...   PACKAGE is missing unless COMMAND succeeds
 #   install_missing           installs by apt what was wanted and missing, if anything
 #   find_python MODULE...     prints a Python 3 that has these modules
+#   commit_of PATH...         prints the commit, and whether the paths differ from it; or that
+#                             it is not known, as in a release's archive
 #   drop_moved_build FOLDER   removes what CMake built while it lay in another place
 
 missing=
@@ -58,6 +60,14 @@ find_python() {
         return 0
     done
     return 1
+}
+
+commit_of() {
+    if ! git rev-parse --short HEAD 2>/dev/null; then
+        echo "not known"
+    elif ! git diff --quiet HEAD -- "$@"; then
+        echo "changed"
+    fi | paste -s -d, - | sed 's/,/, /'
 }
 
 # CMake refuses a build folder that was copied or moved together with its sources.

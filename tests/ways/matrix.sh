@@ -60,9 +60,7 @@ state_of() {
 # If no line was run with the same state, nothing has been seen.
 begin_folder() {
     state=$(state_of)
-    commit=$(git rev-parse --short HEAD)
-    git diff --quiet HEAD -- src include tests/*.c tests/support tests/vectors tests/gate ||
-        commit="$commit, changed"
+    commit=$(commit_of src include tests/*.c tests/support tests/vectors tests/gate)
     if [ "$form" = short ] || [ "$(cat "$out/state" 2>/dev/null)" != "$state" ]; then
         rm -rf "$out/seen"
     fi

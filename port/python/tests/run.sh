@@ -9,7 +9,8 @@ mkdir -p "${1:-build/python}"
 out=$(cd "${1:-build/python}" && pwd)
 here=port/python
 # Python compiles what is imported, not pip all there is; none of it lies among the sources.
-export PYTHONPYCACHEPREFIX="$out/pycache" PIP_DISABLE_PIP_VERSION_CHECK=1
+export PYTHONPYCACHEPREFIX="$out/pycache" HYPOTHESIS_STORAGE_DIRECTORY="$out/hypothesis"
+export PIP_DISABLE_PIP_VERSION_CHECK=1
 
 # The tools in fixed versions, kept while these are the same.
 bin=$out/venv/bin

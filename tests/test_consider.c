@@ -426,6 +426,39 @@ static void test_a_prior_holds_against_intrinsics(void)
     assert_all(1);
 }
 
+/* Views that are left out are passed over, all of a placement too: the covariances are, bit
+ * for bit, those of the rig that never had them. */
+static void test_a_placement_that_is_left_out_changes_nothing(void)
+{
+    rigcal_real Sigma[2][CAMERAS][36], own_sum[2];
+
+    WANTS;
+    for (int is_gone = 0; is_gone < 2; is_gone++) {
+        size_t kept = 0;
+
+        make(7318);
+        for (size_t v = 0; v < r.rig.n_views; v++) {
+            const int is_out = v == 9 || r.views[v].placement == 2;
+
+            left_out[v] = !is_gone && is_out;
+            if (is_gone && !is_out) {
+                r.views[kept++] = r.views[v];
+            }
+        }
+        if (is_gone) {
+            r.rig.n_views = kept;
+        }
+        adjust_and_consider();
+        own_sum[is_gone] = considered.own_sum;
+        for (size_t c = 0; c < CAMERAS; c++) {
+            ASSERT_STATUS(RIGCAL_OK,
+                          rigcal_rig_covariance(Sigma[is_gone][c], &r.rig, 0, c));
+        }
+    }
+    TEST_ASSERT_EQUAL_MEMORY(Sigma[0], Sigma[1], sizeof Sigma[0]);
+    TEST_ASSERT_EQUAL_MEMORY(&own_sum[0], &own_sum[1], sizeof own_sum[0]);
+}
+
 /* Three times the same point: rank 2 of 6. */
 static void test_a_view_that_fixes_no_pose_leaves_no_sum_of_its_own(void)
 {
@@ -1212,6 +1245,7 @@ TEST_MAIN()
     RUN_TEST(test_cameras_with_exact_intrinsics_have_no_columns);
     RUN_TEST(test_held_cameras_move_placements_and_other_cameras);
     RUN_TEST(test_a_prior_holds_against_intrinsics);
+    RUN_TEST(test_a_placement_that_is_left_out_changes_nothing);
     RUN_TEST(test_a_view_that_fixes_no_pose_leaves_no_sum_of_its_own);
     RUN_TEST(test_points_that_a_robust_adjustment_left_out_do_not_count);
     RUN_TEST(test_points_count_as_the_loss_of_the_adjustment_weighs_them);

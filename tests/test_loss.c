@@ -265,6 +265,30 @@ static void test_the_budget_changes_no_bit(void)
     }
 }
 
+/* The sum of what was kept may be below 1 px^2. */
+static void test_small_noise_is_found_beside_wrong_points(void)
+{
+    test_rng rng = test_seed(387);
+    const double noise = TOL(1e-3, 1e-2);
+    rigcal_rig_fit fit;
+    size_t n_wrong;
+
+    WANTS_RIG;
+    make(&rng, 0);
+    test_rig_see_all(&r, &rng, noise);
+    r.rig.sigma_px = RC(noise);
+    ASSERT_STATUS(RIGCAL_OK, rigcal_rig_adjust(&fit, NULL, &r.rig));
+    for (size_t v = 0; v < r.rig.n_views; v += 3) {
+        r.o[v][v % 10].uv[0] += 20;
+    }
+    ASSERT_STATUS(RIGCAL_OK, rigcal_rig_adjust_robust(&fit, &n_wrong, NULL, &r.rig));
+    TEST_ASSERT_EQUAL_size_t(6, n_wrong);
+    TEST_ASSERT_TRUE(fit.sum < 1);
+    ASSERT_NEAR(noise, fit.sigma_px, 0.15 * noise);
+    ASSERT_NEAR(D(fit.sigma_px) * D(fit.sigma_px) * D(fit.freedom), fit.sum,
+                TOL(1e-9, 1e-4) * D(fit.sum));
+}
+
 /* Three points of one view leave no degree of freedom, so no noise is found. */
 static void test_without_freedom_no_noise_is_found(void)
 {
@@ -349,6 +373,7 @@ TEST_MAIN()
     RUN_TEST(test_the_sum_is_that_of_the_loss);
     RUN_TEST(test_the_answer_is_the_least_of_the_loss);
     RUN_TEST(test_the_budget_changes_no_bit);
+    RUN_TEST(test_small_noise_is_found_beside_wrong_points);
     RUN_TEST(test_without_freedom_no_noise_is_found);
     RUN_TEST(test_a_loss_wants_the_noise);
     RUN_TEST(test_a_placement_behind_the_cameras_is_refused);

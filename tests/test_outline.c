@@ -278,6 +278,48 @@ static void test_an_arc_that_folds_between_nodes_keeps_its_rows(void)
     }
 }
 
+        for (int k = 0; k < 3; k++) { /* up the hill, down, up again */
+ * them have two spans. */
+static double hill(double t)
+{
+    return 20 + t * (297 + t * (-153 + t * 24));
+}
+
+static void test_a_hill_beside_a_valley_keeps_its_top(void)
+{
+    rigcal_real u[RIGCAL_SPANS_NODES], v[RIGCAL_SPANS_NODES];
+    rigcal_span spans[RIGCAL_SPANS_ROW];
+    const double top = hill(1.5), bottom = hill(2.75);
+
+    for (int i = 0; i <= LAST; i++) {
+        u[i] = RC(50 * i);
+        v[i] = RC(hill(i));
+    }
+    rc_outline_begin(&outline, 400);
+    rc_outline_add(&outline, u, v);
+    add_edge(200, D(v[LAST]), D(v[0]));
+    rc_outline_close(&outline);
+    for (int32_t row = (int32_t)bottom + 2; row < top - 1; row++) {
+        double at[3] = {0, 1.5, 2.75};
+
+        for (int k = 0; k < 3;
+             k++) { /* the hill's left side, its right one, the next slope */
+            double low = at[k], high = k < 2 ? at[k + 1] : LAST;
+
+            for (int i = 0; i < 50; i++) {
+                const double middle = (low + high) / 2;
+
+                *((hill(middle) < row) == (k != 1) ? &low : &high) = middle;
+            }
+            at[k] = 50 * low;
+        }
+        TEST_ASSERT_EQUAL_UINT64(2, rc_outline_row(spans, &outline, row, 400));
+        ASSERT_NEAR(at[0], spans[0].first, 1.1);
+        ASSERT_NEAR(at[1], spans[0].last, 1.1);
+        ASSERT_NEAR(at[2], spans[1].first, 1.1);
+    }
+}
+
 /* A valley of the curve, u = 20 t and v = 10 + 40 (t - bottom)^2, closed by a border. Its
  * bottom may be anywhere between two nodes. */
 static void test_rows_near_the_turn_of_a_curve_are_its_chords(void)
@@ -597,6 +639,7 @@ TEST_MAIN()
     RUN_TEST(test_a_stretch_ends_where_the_room_does);
     RUN_TEST(test_a_flat_start_of_an_arc_is_crossed);
     RUN_TEST(test_an_arc_that_folds_between_nodes_keeps_its_rows);
+    RUN_TEST(test_a_hill_beside_a_valley_keeps_its_top);
     RUN_TEST(test_rows_near_the_turn_of_a_curve_are_its_chords);
     RUN_TEST(test_an_arc_with_one_end_like_a_polynomial_keeps_its_rows);
     RUN_TEST(test_the_rows_of_any_curve_are_what_is_inside);

@@ -1078,6 +1078,46 @@ static void test_the_observation_at_fault_is_told(void)
     TEST_ASSERT_EQUAL_INT(3, at_fault);
 }
 
+/* A pose to start from is as good wherever the origin of the target is: the search takes no
+ * more steps if that is far away from the points. */
+static void test_a_start_does_not_depend_on_the_origin_of_the_target(void)
+{
+    const double far = TOL(100, 4), by[3] = {3 * far, -2 * far, 5 * far};
+    test_rng rng = test_seed(95);
+
+    for (int trial = 0; trial < TEST_TRIALS(20); trial++) {
+        int32_t units[2];
+        test_problem p;
+
+        test_random_problem(&p, &rng, 8, TEST_GENERAL);
+        for (int is_far = 0; is_far < 2; is_far++) {
+            rigcal_pose_options o = test_options(0);
+            rigcal_pose_solver solver;
+
+            o.use_start = 1;
+            o.start = test_transform(p.scene.R, p.scene.t);
+            if (is_far) {
+                double moved[3];
+
+                test_apply(moved, p.scene.R, by, p.scene.t);
+                for (int k = 0; k < 3; k++) {
+                    o.start.t[k] = RC(2 * p.scene.t[k] - moved[k]);
+                    for (int i = 0; i < 8; i++) {
+                        p.o[i].X_w[k] = RC(D(p.o[i].X_w[k]) + by[k]);
+                    }
+                }
+            }
+            ASSERT_STATUS(RIGCAL_OK, rigcal_pose_begin(&solver, NULL,
+                                                       &VIEW(&p.camera, p.o, NULL, 8), &o));
+            units[is_far] = 0;
+            while (rigcal_pose_step(&solver, 1) == RIGCAL_RUNNING) {
+                units[is_far]++;
+            }
+        }
+        TEST_ASSERT_INT_WITHIN(TOL(1, 8), units[0], units[1]);
+    }
+}
+
 static void test_arguments_are_checked(void)
 {
     const size_t n = 6;
@@ -1159,6 +1199,7 @@ static void test_a_solver_with_a_field_out_of_range_is_refused(void)
     solver.phase = UINT8_MAX;
     ASSERT_STATUS(RIGCAL_ERR_STATE, rigcal_pose_step(&solver, 1));
     ASSERT_STATUS(RIGCAL_OK, rigcal_pose_step(&whole, INT32_MAX));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_pose_step(&whole, 1)); /* nothing is left to do */
     for (int32_t n = -1; n <= RIGCAL_POSES_MAX + 1; n += RIGCAL_POSES_MAX + 2) {
         solver = whole;
         solver.search.optima.n = n;
@@ -1349,6 +1390,7 @@ TEST_MAIN()
     RUN_TEST(test_targets_that_fix_no_pose_are_named);
     RUN_TEST(test_a_plane_seen_edge_on_is_refused_or_right);
     RUN_TEST(test_the_observation_at_fault_is_told);
+    RUN_TEST(test_a_start_does_not_depend_on_the_origin_of_the_target);
     RUN_TEST(test_arguments_are_checked);
     RUN_TEST(test_room_for_one_pose_gives_the_first);
     RUN_TEST(test_a_solver_with_a_field_out_of_range_is_refused);

@@ -313,6 +313,46 @@ static void test_the_freedom_of_the_cameras_is_that_of_the_rig(void)
                 TOL(1e-3, 0.1));
 }
 
+/* Three points of one view fit exactly: there is no noise to state. */
+static void test_without_freedom_there_is_no_noise(void)
+{
+    test_rng rng = test_seed(352);
+    rigcal_rig_fit fit;
+
+    WANTS_RIG;
+    test_rig_random(&r, &rng, 1, 1, 8);
+    test_rig_see_all(&r, &rng, 0.3);
+    r.views[0].view.n = 3;
+    ASSERT_STATUS(RIGCAL_OK, rigcal_rig_adjust(&fit, NULL, &r.rig));
+    ASSERT_NEAR(0, fit.freedom, 0);
+    ASSERT_NEAR(0, fit.sigma_px, 0);
+}
+
+/* If the placement is known by others, a view of three points has 6 numbers for the 6
+ * unknowns of its camera, and a small part of one left: the noise is still stated. */
+static void test_the_noise_of_a_camera_with_hardly_any_freedom(void)
+{
+    rigcal_rig_fit fit;
+    rigcal_real sigma_px[3], freedom[3];
+    size_t n = 0;
+
+    WANTS_RIG;
+    make();
+    for (size_t v = 0; v < r.rig.n_views; v++) {
+        if (r.views[v].camera != 2 || r.views[v].placement == 0) {
+            r.views[n] = r.views[v];
+            r.views[n].view.n = r.views[v].camera == 2 ? 3 : 8;
+            n++;
+        }
+    }
+    r.rig.n_views = n;
+    r.rig.view_poses = NULL;
+    ASSERT_STATUS(RIGCAL_OK, rigcal_rig_adjust(&fit, NULL, &r.rig));
+    ASSERT_STATUS(RIGCAL_OK, rigcal_rig_noise(sigma_px, freedom, &r.rig));
+    TEST_ASSERT_TRUE(freedom[2] > 0 && freedom[2] < 1);
+    TEST_ASSERT_TRUE(sigma_px[2] > 0);
+}
+
 /* Point 0 of every view has half the noise, or is seen four times. */
 static void make_weighed(const rigcal_real sigma[], int is_repeated)
 {
@@ -385,6 +425,8 @@ TEST_MAIN()
     RUN_TEST(test_poses_to_start_from_are_checked);
     RUN_TEST(test_the_noise_found_is_that_of_the_pixels);
     RUN_TEST(test_the_freedom_of_the_cameras_is_that_of_the_rig);
+    RUN_TEST(test_without_freedom_there_is_no_noise);
+    RUN_TEST(test_the_noise_of_a_camera_with_hardly_any_freedom);
     RUN_TEST(test_without_poses_of_views_there_is_no_loop_closure);
     RUN_TEST(test_a_point_of_half_the_noise_counts_as_four);
 }

@@ -908,6 +908,7 @@ static rigcal_status solve_to_rounding(problem *p, int n, double threshold)
 {
     const rigcal_real larger = 50;
     rigcal_robust_options options;
+    rigcal_robust_solver solver;
     rigcal_real sigma[N_MAX];
 
     ASSERT_STATUS(RIGCAL_OK, rigcal_robust_defaults(&options));
@@ -924,9 +925,14 @@ static rigcal_status solve_to_rounding(problem *p, int n, double threshold)
         p->o[i].uv[1] *= larger;
         sigma[i] = RC(TOL(1e-6, 1));
     }
-    return rigcal_robust_solve(p->poses, RIGCAL_POSES_MAX, &p->n_found, p->inliers,
-                               &p->n_inliers, NULL,
-                               &VIEW(&p->camera, p->o, sigma, (size_t)n), &options);
+    ASSERT_STATUS(RIGCAL_OK,
+                  rigcal_robust_begin(&solver, p->inliers, NULL,
+                                      &VIEW(&p->camera, p->o, sigma, (size_t)n), &options));
+    while (rigcal_robust_step(&solver, 1) == RIGCAL_RUNNING) {
+    }
+    TEST_ASSERT_LESS_OR_EQUAL_INT(9, solver.rounds); /* searches, as the header says */
+    return rigcal_robust_result(p->poses, RIGCAL_POSES_MAX, &p->n_found, &p->n_inliers,
+                                &solver);
 }
 
 static void test_a_threshold_below_rounding_has_no_consensus(void)

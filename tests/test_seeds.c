@@ -502,6 +502,43 @@ static void test_a_flat_target_seen_head_on_has_starts_that_lean(void)
     }
 }
 
+/* Far away and with noise the tilt is hardly determined: two more starts lean sideways, one
+ * to each side. */
+static void test_a_small_flat_target_has_starts_that_lean_to_both_sides(void)
+{
+    const double t[3] = {0, 0, 60};
+    test_rng rng = test_seed(112);
+    for (int trial = 0; trial < 20; trial++) {
+        double side[2][2];
+        test_problem p;
+        rigcal_search s;
+        test_random_problem(&p, &rng, MANY, TEST_GENERAL);
+        test_rotation(p.scene.R, test_uniform(&rng, -3, 3), 0.01, 0);
+        for (int i = 0; i < MANY; i++) {
+            const double way = 2 * TEST_PI / MANY * i;
+            const double X[3] = {0.5 * cos(way), 0.5 * sin(way), 0};
+            double X_c[3], uv[2];
+            test_apply(X_c, p.scene.R, X, t);
+            test_project_px(uv, &p.camera, X_c);
+            test_to_real(p.o[i].X_w, X, 3);
+            for (int k = 0; k < 2; k++) {
+                p.o[i].uv[k] = RC(uv[k] + test_uniform(&rng, -0.3, 0.3));
+            }
+        }
+        begin(&s, &p);
+        TEST_ASSERT_EQUAL_INT32(RC_SEEDS_START, next_start(&s));
+        keep(&s, p.scene.R, t, 0);
+        TEST_ASSERT_EQUAL_INT32(RC_SEEDS_START, next_start(&s)); /* the other way */
+        for (int way = 0; way < 2; way++) {
+            TEST_ASSERT_EQUAL_INT32(RC_SEEDS_START, next_start(&s));
+            for (int k = 0; k < 2; k++) { /* how the normal leans in the image */
+                side[way][k] = D(start_of(&s)->R[3 * k + 2]);
+            }
+        }
+        TEST_ASSERT_TRUE(side[0][0] * side[1][0] + side[0][1] * side[1][1] < -0.05);
+    }
+}
+
 /* A hexagon nearly head-on. A view of so few points starts from the poses of three of them.
  * After those comes a start that leans the other way by a tangent of 0.3, though the cost
  * falls from there to the pose found. It does not come if two poses were found: then it
@@ -989,6 +1026,7 @@ TEST_MAIN()
     RUN_TEST(test_a_seed_on_the_way_to_the_pose_found_takes_no_descent);
     RUN_TEST(test_a_flat_target_has_a_start_near_its_second_minimum);
     RUN_TEST(test_a_flat_target_seen_head_on_has_starts_that_lean);
+    RUN_TEST(test_a_small_flat_target_has_starts_that_lean_to_both_sides);
     RUN_TEST(test_few_points_of_a_flat_target_have_a_start_that_leans);
     RUN_TEST(test_all_poses_of_three_points_are_starts);
     RUN_TEST(test_three_points_without_a_pose_begin_with_the_lattice);

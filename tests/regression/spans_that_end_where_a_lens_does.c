@@ -98,8 +98,9 @@ static rigcal_status find(test_bands *scene, size_t *n, uint64_t seed)
 
 static void test_no_pixel_is_missed(void)
 {
-    static const uint64_t SEED[] = {6155,  18016, 40781, 64977, 131846, 142086, 156402,
-                                    28714, 60600, 67225, 70758, 182220, 298033};
+    static const uint64_t SEED[] = {6155,   18016,  40781,  64977, 131846,
+                                    142086, 156402, 28714,  60600, 67225,
+                                    70758,  182220, 298033, 82560, 427633};
 
     WANTS_SPANS();
     for (size_t i = 0; i < TEST_TRIALS(sizeof SEED / sizeof SEED[0]); i++) {

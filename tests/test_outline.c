@@ -278,8 +278,8 @@ static void test_an_arc_that_folds_between_nodes_keeps_its_rows(void)
     }
 }
 
-        for (int k = 0; k < 3; k++) { /* up the hill, down, up again */
- * them have two spans. */
+/* A hill at t = 1.5 and a valley at t = 2.75, v' = 72 (t - 1.5) (t - 2.75). The rows
+ * between them have two spans. */
 static double hill(double t)
 {
     return 20 + t * (297 + t * (-153 + t * 24));
@@ -302,8 +302,7 @@ static void test_a_hill_beside_a_valley_keeps_its_top(void)
     for (int32_t row = (int32_t)bottom + 2; row < top - 1; row++) {
         double at[3] = {0, 1.5, 2.75};
 
-        for (int k = 0; k < 3;
-             k++) { /* the hill's left side, its right one, the next slope */
+        for (int k = 0; k < 3; k++) { /* up the hill, down, up again */
             double low = at[k], high = k < 2 ? at[k + 1] : LAST;
 
             for (int i = 0; i < 50; i++) {

@@ -8,7 +8,8 @@ cd "$(dirname "$0")/../../.."
 here=port/python/docs
 mkdir -p "${1:-build/docs}"
 out=$(cd "${1:-build/docs}" && pwd)
-# Python compiles what is imported, not pip all there is; none of it lies among the sources.
+# pip does not compile the tools: Python compiles what is imported, into a folder that is not
+# among the sources.
 export PYTHONPYCACHEPREFIX="$out/pycache" PIP_DISABLE_PIP_VERSION_CHECK=1 MPLBACKEND=agg
 wheel=$(sh port/python/tests/wheel.sh build/python)
 bin=$out/venv/bin

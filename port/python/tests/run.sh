@@ -8,7 +8,8 @@ cd "$(dirname "$0")/../../.."
 mkdir -p "${1:-build/python}"
 out=$(cd "${1:-build/python}" && pwd)
 here=port/python
-# Python compiles what is imported, not pip all there is; none of it lies among the sources.
+# pip does not compile the tools: Python compiles what is imported, into a folder that is not
+# among the sources.
 export PYTHONPYCACHEPREFIX="$out/pycache" HYPOTHESIS_STORAGE_DIRECTORY="$out/hypothesis"
 export PIP_DISABLE_PIP_VERSION_CHECK=1
 

@@ -426,8 +426,8 @@ static void test_a_prior_holds_against_intrinsics(void)
     assert_all(1);
 }
 
-/* Views that are left out are passed over, all of a placement too: the covariances are, bit
- * for bit, those of the rig that never had them. */
+/* Views that are left out do not count, even where a placement has no others. The
+ * covariances are those of the rig without these views, bit for bit. */
 static void test_a_placement_that_is_left_out_changes_nothing(void)
 {
     rigcal_real Sigma[2][CAMERAS][36], own_sum[2];

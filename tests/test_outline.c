@@ -244,6 +244,34 @@ static void test_a_flat_start_of_an_arc_is_crossed(void)
     TEST_ASSERT_EQUAL_INT32(99, spans[0].last);
 }
 
+/* Begins an outline with the curve u = step t, v = f(t), and joins its ends. */
+static void close_curve(double (*f)(double), double step, int32_t height)
+{
+    rigcal_real u[RIGCAL_SPANS_NODES], v[RIGCAL_SPANS_NODES];
+
+    for (int i = 0; i <= LAST; i++) {
+        u[i] = RC(step * i);
+        v[i] = RC(f(i));
+    }
+    rc_outline_begin(&outline, height);
+    rc_outline_add(&outline, u, v);
+    add_edge(step * LAST, D(v[LAST]), D(v[0]));
+    rc_outline_close(&outline);
+}
+
+/* Where f, which rises or falls from low to high, is at the row. */
+static double where(double (*f)(double), double row, double low, double high)
+{
+    const int rises = f(low) < f(high);
+
+    for (int i = 0; i < 50; i++) {
+        const double middle = (low + high) / 2;
+
+        *((f(middle) < row) == rises ? &low : &high) = middle;
+    }
+    return low;
+}
+
 /* A curve that turns back twice between two nodes, by 0.08 px. */
 static double folded(double t)
 {
@@ -252,28 +280,15 @@ static double folded(double t)
 
 static void test_an_arc_that_folds_between_nodes_keeps_its_rows(void)
 {
-    rigcal_real u[RIGCAL_SPANS_NODES], v[RIGCAL_SPANS_NODES];
     rigcal_span spans[RIGCAL_SPANS_ROW];
 
     TEST_ASSERT_TRUE(folded(1) < folded(0));
-    for (int i = 0; i <= LAST; i++) {
-        u[i] = RC(16 * i);
-        v[i] = RC(folded(i));
-    }
-    rc_outline_begin(&outline, 70);
-    rc_outline_add(&outline, u, v);
-    add_edge(64, D(v[LAST]), D(v[0]));
-    rc_outline_close(&outline);
+    close_curve(folded, 16, 70);
     for (int32_t row = 11; row < folded(LAST); row++) {
-        double low = 1, high = LAST;
+        const double left = 16 * where(folded, row, 1, LAST);
 
-        for (int i = 0; i < 50; i++) {
-            const double middle = (low + high) / 2;
-
-            *(folded(middle) < row ? &low : &high) = middle;
-        }
         TEST_ASSERT_EQUAL_UINT64(1, rc_outline_row(spans, &outline, row, 100));
-        ASSERT_NEAR(ceil(16 * low - 0.1), spans[0].first, 0);
+        ASSERT_NEAR(ceil(left - 0.1), spans[0].first, 0);
         TEST_ASSERT_EQUAL_INT32(64, spans[0].last);
     }
 }
@@ -287,35 +302,15 @@ static double hill(double t)
 
 static void test_a_hill_beside_a_valley_keeps_its_top(void)
 {
-    rigcal_real u[RIGCAL_SPANS_NODES], v[RIGCAL_SPANS_NODES];
     rigcal_span spans[RIGCAL_SPANS_ROW];
     const double top = hill(1.5), bottom = hill(2.75);
 
-    for (int i = 0; i <= LAST; i++) {
-        u[i] = RC(50 * i);
-        v[i] = RC(hill(i));
-    }
-    rc_outline_begin(&outline, 400);
-    rc_outline_add(&outline, u, v);
-    add_edge(200, D(v[LAST]), D(v[0]));
-    rc_outline_close(&outline);
+    close_curve(hill, 50, 400);
     for (int32_t row = (int32_t)bottom + 2; row < top - 1; row++) {
-        double at[3] = {0, 1.5, 2.75};
-
-        for (int k = 0; k < 3; k++) { /* up the hill, down, up again */
-            double low = at[k], high = k < 2 ? at[k + 1] : LAST;
-
-            for (int i = 0; i < 50; i++) {
-                const double middle = (low + high) / 2;
-
-                *((hill(middle) < row) == (k != 1) ? &low : &high) = middle;
-            }
-            at[k] = 50 * low;
-        }
         TEST_ASSERT_EQUAL_UINT64(2, rc_outline_row(spans, &outline, row, 400));
-        ASSERT_NEAR(at[0], spans[0].first, 1.1);
-        ASSERT_NEAR(at[1], spans[0].last, 1.1);
-        ASSERT_NEAR(at[2], spans[1].first, 1.1);
+        ASSERT_NEAR(50 * where(hill, row, 0, 1.5), spans[0].first, 1.1);
+        ASSERT_NEAR(50 * where(hill, row, 1.5, 2.75), spans[0].last, 1.1);
+        ASSERT_NEAR(50 * where(hill, row, 2.75, LAST), spans[1].first, 1.1);
     }
 }
 

@@ -1097,11 +1097,12 @@ static void test_a_start_does_not_depend_on_the_origin_of_the_target(void)
             o.use_start = 1;
             o.start = test_transform(p.scene.R, p.scene.t);
             if (is_far) {
-                double moved[3];
+                const double none[3] = {0, 0, 0};
+                double turned[3];
 
-                test_apply(moved, p.scene.R, by, p.scene.t);
+                test_apply(turned, p.scene.R, by, none);
                 for (int k = 0; k < 3; k++) {
-                    o.start.t[k] = RC(2 * p.scene.t[k] - moved[k]);
+                    o.start.t[k] = RC(p.scene.t[k] - turned[k]);
                     for (int i = 0; i < 8; i++) {
                         p.o[i].X_w[k] = RC(D(p.o[i].X_w[k]) + by[k]);
                     }

@@ -471,6 +471,21 @@ static void test_a_flat_target_has_a_start_near_its_second_minimum(void)
     TEST_ASSERT_LESS_OR_EQUAL_INT(with_second / 50, missed);
 }
 
+/* Puts n points of p on a ring about the origin, in the plane z = 0, and projects them by R
+ * of the scene and t. Their middle is the middle of the image. */
+static void see_ring(test_problem *p, int n, const double t[3])
+{
+    for (int i = 0; i < n; i++) {
+        const double way = 2 * TEST_PI / n * i;
+        const double X[3] = {0.5 * cos(way), 0.5 * sin(way), 0};
+        double X_c[3], uv[2];
+        test_apply(X_c, p->scene.R, X, t);
+        test_project_px(uv, &p->camera, X_c);
+        test_to_real(p->o[i].X_w, X, 3);
+        test_to_real(p->o[i].uv, uv, 2);
+    }
+}
+
 /* Nearly head-on the least lean has a tangent of 0.3. Exactly head-on no direction of lean
  * is preferred, so any is right. */
 static void test_a_flat_target_seen_head_on_has_starts_that_lean(void)
@@ -483,16 +498,7 @@ static void test_a_flat_target_seen_head_on_has_starts_that_lean(void)
         rigcal_search s;
         test_random_problem(&p, &rng, MANY, TEST_GENERAL);
         test_rotation(p.scene.R, test_uniform(&rng, -3, 3), trial % 2 ? 0.01 : 0, 0);
-        for (int i = 0; i < MANY;
-             i++) { /* rings, so that their middle is the middle of the image */
-            const double way = 2 * TEST_PI / MANY * i;
-            const double X[3] = {0.5 * cos(way), 0.5 * sin(way), 0};
-            double X_c[3], uv[2];
-            test_apply(X_c, p.scene.R, X, t);
-            test_project_px(uv, &p.camera, X_c);
-            test_to_real(p.o[i].X_w, X, 3);
-            test_to_real(p.o[i].uv, uv, 2);
-        }
+        see_ring(&p, MANY, t);
         begin(&s, &p);
         TEST_ASSERT_EQUAL_INT32(RC_SEEDS_START, next_start(&s));
         keep(&s, p.scene.R, t, 0);
@@ -514,15 +520,10 @@ static void test_a_small_flat_target_has_starts_that_lean_to_both_sides(void)
         rigcal_search s;
         test_random_problem(&p, &rng, MANY, TEST_GENERAL);
         test_rotation(p.scene.R, test_uniform(&rng, -3, 3), 0.01, 0);
+        see_ring(&p, MANY, t);
         for (int i = 0; i < MANY; i++) {
-            const double way = 2 * TEST_PI / MANY * i;
-            const double X[3] = {0.5 * cos(way), 0.5 * sin(way), 0};
-            double X_c[3], uv[2];
-            test_apply(X_c, p.scene.R, X, t);
-            test_project_px(uv, &p.camera, X_c);
-            test_to_real(p.o[i].X_w, X, 3);
             for (int k = 0; k < 2; k++) {
-                p.o[i].uv[k] = RC(uv[k] + test_uniform(&rng, -0.3, 0.3));
+                p.o[i].uv[k] += RC(test_uniform(&rng, -0.3, 0.3));
             }
         }
         begin(&s, &p);
@@ -555,15 +556,7 @@ static void test_few_points_of_a_flat_target_have_a_start_that_leans(void)
         test_random_problem(&p, &rng, 6, TEST_GENERAL);
         test_rotation(p.scene.R, test_uniform(&rng, -3, 3), lean, 0);
         test_rotation(other, 1, 1.2, 0.5);
-        for (int i = 0; i < 6; i++) {
-            const double way = TEST_PI / 3 * i;
-            const double X[3] = {0.5 * cos(way), 0.5 * sin(way), 0};
-            double X_c[3], uv[2];
-            test_apply(X_c, p.scene.R, X, t);
-            test_project_px(uv, &p.camera, X_c);
-            test_to_real(p.o[i].X_w, X, 3);
-            test_to_real(p.o[i].uv, uv, 2);
-        }
+        see_ring(&p, 6, t);
         begin(&s, &p);
         for (int i = 0; i < n_found; i++) {
             TEST_ASSERT_EQUAL_INT32(RC_SEEDS_START, next_start(&s));

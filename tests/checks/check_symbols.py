@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
-"""Looks at what is in the objects of the library: build/gcc-double and build/gcc-float.
+"""Looks at what is in the objects of build/gcc-double and build/gcc-float, and builds shared
+libraries of the same sources.
 
-The shared library exports exactly the functions that the headers declare with
+A shared library exports exactly the functions that the headers declare with
 RIGCAL_API. Globals of the static one begin with rigcal_ or rc_. Nothing is
 wanted from outside but libm, memcpy and memset. No object has writable data,
 so the library is reentrant. Uses gcc and binutils.
@@ -51,7 +52,7 @@ def declared(define):
 
 def check(real, define, work):
     allowed = {name + ("f" if real == "float" else "") for name in LIBM}
-    # The last one is of gcc where it protects the stack by default.
+    # gcc calls the last one where it protects the stack by default.
     allowed |= {"memcpy", "memset", "_GLOBAL_OFFSET_TABLE_", "__stack_chk_fail"}
     run("ar", "x", "--output", work, ROOT / f"build/gcc-{real}/librigcal.a")
     shared = []

@@ -153,7 +153,7 @@ run() {
     if [ "$what" = campaign ]; then
         hours=$(awk -v rate="$rate" 'BEGIN {printf "%.1f", (rate > 0) ? 1e9 / rate / 3600 : 0}')
         printf '| %s | %s | %s | %s | %s | %s | none |\n' "$(date +%F)" \
-            "$(git rev-parse --short HEAD)" "$name" "$executed" "$rate" "$hours" \
+            "$(commit_of src include)" "$name" "$executed" "$rate" "$hours" \
             >>tests/fuzz/RESULTS.md
     fi
 }

@@ -63,11 +63,9 @@ find_python() {
 }
 
 commit_of() {
-    if ! git rev-parse --short HEAD 2>/dev/null; then
-        echo "not known"
-    elif ! git diff --quiet HEAD -- "$@"; then
-        echo "changed"
-    fi | paste -s -d, - | sed 's/,/, /'
+    commit=$(git rev-parse --short HEAD 2>/dev/null) || { echo "not known"; return 0; }
+    git diff --quiet HEAD -- "$@" || commit="$commit, changed"
+    echo "$commit"
 }
 
 # CMake refuses a build folder that was copied or moved together with its sources.

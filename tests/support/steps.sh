@@ -3,13 +3,10 @@
 #   preset_build PRESET [TARGET]
 #                         builds in build/PRESET, all or the target alone
 #   preset PRESET         builds, and runs every test
-#   relinked PRESET BUILT COMPILER [TARGET]
-#                         builds the library of PRESET, and runs the unit tests of the
-#                         preset BUILT with it
-#   clang_library PRESET BUILT
-#                         the same with clang's library, which counts as gcc's does. In
-#                         float the step single-file runs the unit tests with what clang
-#                         makes of one source; here clang compiles them for its warnings
+#   clang_library PRESET  builds the library of PRESET by clang, and tests that it counts as
+#                         gcc's does. In double the unit tests of gcc-double run with it. In
+#                         float the step single-file runs them with what clang makes of one
+#                         source; here clang compiles them for its warnings
 #   cli PRESET            builds, and runs the tests of the command line
 #   regressions           runs every tests/regression/*.sh
 #
@@ -27,16 +24,13 @@ preset() {
     preset_build "$1" && ctest --preset "$1"
 }
 
-relinked() {
-    preset_build "$1" "${4-}" &&
-        sh tests/ways/relink.sh "build/$2" "build/$1/relinked" "$3" "build/$1/librigcal.a"
-}
-
 clang_library() {
-    case $1 in
-    *float) preset_build "$1" rigcal && warnings_of "$1" ;;
-    *) relinked "$1" "$2" clang rigcal ;;
-    esac &&
+    preset_build "$1" rigcal &&
+        case $1 in
+        *float) warnings_of "$1" ;;
+        *) sh tests/ways/relink.sh build/gcc-double "build/$1/relinked" clang \
+            "build/$1/librigcal.a" ;;
+        esac &&
         cmake --build --preset "$1" --target gate test_bounds &&
         ctest --preset "$1" -R '^(gate|bounds)$'
 }

@@ -44,7 +44,7 @@ check() {
 }
 double="rigcal_real of 8 bytes, with fisheyes"
 float="rigcal_real of 4 bytes, with fisheyes"
-small="rigcal_real of 8 bytes, without fisheyes"
+other="rigcal_real of 8 bytes, without fisheyes"
 
 # Arduino: its builder takes the library for the example, for this machine as a board.
 board=$out/arduino/hardware/rigcal/host
@@ -77,14 +77,14 @@ check "$double" "$bin/conan" create "$out/conan/rigcal" --no-remote -s build_typ
 check "$float" "$bin/conan" create "$out/conan/rigcal" --no-remote -s build_type=Debug \
     -o "rigcal/*:real=float" -o "rigcal/*:shared=True"
 
-# ESP-IDF: the component manager reads and packs it, Kconfig chooses: nothing is said, or both
-# settings are other ones.
+# ESP-IDF: the component manager reads and packs it. Kconfig chooses: once its defaults, once
+# the other value of both settings.
 (cd "$out/esp-idf/rigcal" && "$bin/compote" manifest lint)
 "$bin/compote" component pack --project-dir "$out/esp-idf/rigcal" --name rigcal \
     --dest-dir "$out/esp-idf"
-for build in float small; do
+for build in float other; do
     choices=
-    [ $build != small ] || choices="RIGCAL_USE_FLOAT=n RIGCAL_WITH_FISHEYE=n"
+    [ $build != other ] || choices="RIGCAL_USE_FLOAT=n RIGCAL_WITH_FISHEYE=n"
     # shellcheck disable=SC2046 -- several settings
     cmake -G Ninja -S $here/esp-idf -B "$out/esp-idf/$build" \
         -DPACKAGE="$out/esp-idf/rigcal" $("$bin/python" $here/kconfig.py \
@@ -92,7 +92,7 @@ for build in float small; do
     cmake --build "$out/esp-idf/$build"
 done
 check "$float" "$out/esp-idf/float/consumer"
-check "$small" "$out/esp-idf/small/consumer"
+check "$other" "$out/esp-idf/other/consumer"
 
 # Meson: as a project and as a subproject of another.
 "$bin/meson" setup "$out/meson/build" "$out/meson/rigcal" --werror \
@@ -129,10 +129,10 @@ for real in 0 1; do
     check "rigcal works" "$out/template_$real"
 done
 
-# Zephyr: Kconfig chooses, by what the core has.
-for build in float small; do
+# Zephyr: Kconfig chooses by what the core has, in the same two ways.
+for build in float other; do
     choices=
-    [ $build != small ] || choices="CPU_HAS_FPU_DOUBLE_PRECISION=y RIGCAL_WITH_FISHEYE=n"
+    [ $build != other ] || choices="CPU_HAS_FPU_DOUBLE_PRECISION=y RIGCAL_WITH_FISHEYE=n"
     # shellcheck disable=SC2046 -- several settings
     cmake -G Ninja -S $here/zephyr -B "$out/zephyr/$build" \
         -DPACKAGE="$out/zephyr/rigcal" \
@@ -141,6 +141,6 @@ for build in float small; do
     cmake --build "$out/zephyr/$build"
 done
 check "$float" "$out/zephyr/float/consumer"
-check "$small" "$out/zephyr/small/consumer"
+check "$other" "$out/zephyr/other/consumer"
 
 echo "$count programs: Arduino, CMSIS-Pack, Conan, ESP-IDF, Meson, PlatformIO, Zephyr, template"

@@ -8,19 +8,9 @@ cd "$(dirname "$0")/../../.."
 mkdir -p "${1:-build/python}"
 out=$(cd "${1:-build/python}" && pwd)
 here=port/python
-# pip does not compile the tools: Python compiles what is imported, into a folder that is not
-# among the sources.
-export PYTHONPYCACHEPREFIX="$out/pycache" HYPOTHESIS_STORAGE_DIRECTORY="$out/hypothesis"
-export PIP_DISABLE_PIP_VERSION_CHECK=1
-
-# The tools in fixed versions, kept while these are the same.
-bin=$out/venv/bin
-if ! cmp -s $here/tests/requirements.txt "$out/requirements.txt" || ! [ -x "$bin/ruff" ]; then
-    rm -rf "${out:?}/venv"
-    /usr/bin/python3 -m venv "$out/venv"
-    "$bin/pip" -q install --no-compile -r $here/tests/requirements.txt
-    cp $here/tests/requirements.txt "$out"
-fi
+export HYPOTHESIS_STORAGE_DIRECTORY="$out/hypothesis"
+. port/python/tests/venv.sh
+make_venv "$out" $here/tests/requirements.txt
 
 # The wheel from a checkout. It is built only once for the same sources and tools.
 rm -rf "${out:?}/wheel" "${out:?}/sdist" "${out:?}/unpacked"
@@ -32,7 +22,7 @@ if [ "$size" -gt 409600 ]; then
     echo "$wheel has $size bytes, more than 400 KB"
     exit 1
 fi
-"$bin/pip" -q install --no-compile --force-reinstall --no-deps "$wheel"
+pip_install --force-reinstall --no-deps "$wheel"
 
 # The sdist must build by itself: it is unpacked where no checkout is above it.
 "$bin/python" -m build -q --no-isolation --sdist -o "$out/sdist" $here
